@@ -22,6 +22,8 @@ constexpr double kBelow = 1e-9;              // cells: the solver lifts the prox
 constexpr int kMostTakeOffs = 8;             // a tick
 constexpr double kCreaseStep = 0.5;          // cells
 constexpr double kCreaseRest = 1e-7;         // cells
+constexpr int kFewSteps = 12;                // of the solver
+constexpr double kOneLook = 0.5;             // cells: a way that needs but one look about
 constexpr int kLongRun = 16;                 // cells: the solver may divide the hand's way
 
 bool is_hand(const ObjectSurface& object, const Eigen::Vector3d& hip_m) noexcept {
@@ -94,12 +96,9 @@ class Course {
     const Eigen::Vector3d from_m = sheet().to_object(state_.proxy.position);
     const std::uint8_t cell = cell_here();
     const int run = cell >= kOpenCell ? cell - kLookCell : 1;
-    SolverOptions options = options_;
-    options.flies = false;
-    options.segment_limit = std::min(run, options_.segment_limit);
     if (run < kLongRun) state_.proxy.track.known = false;
     found_.in_crease = false;
-    slid_ = update_exact(*sheet().surface, sheet().to_local(hip_m_), state_.proxy, options);
+    slide(cell, run);
     found_.segments += std::max(1, slid_.segments);
     state_.position_m = sheet().to_object(state_.proxy.position);
     if (!slid_.contact) return leave(kNoSheet);
@@ -116,6 +115,25 @@ class Course {
     return false;
   }
 
+  /// Over at most `run` cells. The solver first gets the steps that it mostly needs to rest: most ticks go less than a
+  /// cell, and what has gone further is done again.
+  void slide(std::uint8_t cell, int run) noexcept {
+    SolverOptions options = options_;
+    options.flies = false;
+    const Eigen::Vector3d hip_m = sheet().to_local(hip_m_);
+    if (cell >= kLookCell && run < kFewSteps) {
+      const ProxyState before = state_.proxy;
+      options.segment_limit = std::min(kFewSteps, options_.segment_limit);
+      slid_ = update_exact(*sheet().surface, hip_m, state_.proxy, options);
+      const Eigen::Vector3d way_m = state_.proxy.position - before.position;
+      const double length = way_m.head<2>().cwiseAbs().maxCoeff() / object_.spacing_m;
+      if (length <= std::max(kOneLook, run - 1.0) && !slid_.unfinished) return;
+      state_.proxy = before;
+    }
+    options.segment_limit = std::min(run, options_.segment_limit);
+    slid_ = update_exact(*sheet().surface, hip_m, state_.proxy, options);
+  }
+
   bool stop_unfinished() noexcept {
     found_.unfinished = true;
     return false;
@@ -129,7 +147,8 @@ class Course {
     std::uint32_t best = kNoSheet;
     SheetView there;
     double deepest = kHeldDepth * h;
-    for (const std::uint32_t other : object_.blocks.sheets_at(state_.position_m)) {
+    for (const Passing& passing : object_.blocks.sheets_at(state_.position_m)) {
+      const std::uint32_t other = passing.sheet;
       if (other == state_.sheet || other == but || !may_enter(other)) continue;
       const SheetView view = view_of(object_.sheets[other], state_.position_m);
       if (view.cell == kNoCell || std::abs(view.gap_m) > kHeldGap * h || -pull.dot(view.normal) <= deepest) continue;
@@ -176,7 +195,8 @@ class Course {
     std::uint32_t best = kNoSheet;
     SheetView there;
     double least = (ends ? kEndGap : kSameGap) * object_.spacing_m;
-    for (const std::uint32_t other : object_.blocks.sheets_at(state_.position_m)) {
+    for (const Passing& passing : object_.blocks.sheets_at(state_.position_m)) {
+      const std::uint32_t other = passing.sheet;
       if (other == state_.sheet) continue;
       const SheetView view = view_of(object_.sheets[other], state_.position_m);
       if (view.cell < (cell == kNoCell ? kRimCell : kLookCell) || std::abs(view.gap_m) > least) continue;
@@ -197,7 +217,8 @@ class Course {
     std::uint32_t best = kNoSheet;
     SheetView there;
     double least = kEdgeGap * object_.spacing_m;
-    for (const std::uint32_t other : object_.blocks.sheets_at(state_.position_m)) {
+    for (const Passing& passing : object_.blocks.sheets_at(state_.position_m)) {
+      const std::uint32_t other = passing.sheet;
       if (other == state_.sheet) continue;
       const SheetView view = view_of(object_.sheets[other], state_.position_m);
       if (view.cell == kNoCell) continue;

@@ -17,7 +17,7 @@ std::uint64_t slot_of(std::uint64_t key) noexcept {
 
 }  // namespace
 
-BlockIndex::BlockIndex(double block_m, std::vector<Entry> entries) : block_m_(block_m) {
+BlockIndex::BlockIndex(double block_m, std::vector<Entry> entries) : block_m_(block_m), blocks_per_m_(1.0 / block_m) {
   const auto before = [](const Entry& a, const Entry& b) { return a.key != b.key ? a.key < b.key : a.sheet < b.sheet; };
   const auto same = [](const Entry& a, const Entry& b) { return a.key == b.key && a.sheet == b.sheet; };
   std::sort(entries.begin(), entries.end(), before);
@@ -28,7 +28,7 @@ BlockIndex::BlockIndex(double block_m, std::vector<Entry> entries) : block_m_(bl
       keys.push_back(entry.key);
       begins_.push_back(static_cast<std::uint32_t>(sheets_.size()));
     }
-    sheets_.push_back(entry.sheet);
+    sheets_.push_back({entry.sheet});
   }
   begins_.push_back(static_cast<std::uint32_t>(sheets_.size()));
   slots_.assign(std::bit_ceil(2 * keys.size() + 1), Slot{0, kEmpty});
@@ -43,7 +43,7 @@ BlockIndex::BlockIndex(double block_m, std::vector<Entry> entries) : block_m_(bl
 BlockPlace BlockIndex::block_of(const Eigen::Vector3d& place_m) const noexcept {
   BlockPlace block;
   for (int axis = 0; axis < 3; ++axis) {
-    const double at = std::floor(place_m[axis] / block_m_);
+    const double at = std::floor(place_m[axis] * blocks_per_m_);
     block[axis] = static_cast<int>(std::clamp(at, -static_cast<double>(kFarthestBlock), double{kFarthestBlock}));
   }
   return block;
@@ -56,15 +56,26 @@ std::uint64_t BlockIndex::key_of(const BlockPlace& block) noexcept {
   return key;
 }
 
-std::span<const std::uint32_t> BlockIndex::sheets(const BlockPlace& block) const noexcept {
-  if (slots_.empty()) return {};
+std::uint32_t BlockIndex::number_of(const BlockPlace& block) const noexcept {
+  if (slots_.empty()) return kEmpty;
   const std::uint64_t key = key_of(block);
-  for (std::uint64_t slot = slot_of(key) & mask_; slots_[slot].block != kEmpty; slot = (slot + 1) & mask_) {
-    if (slots_[slot].key != key) continue;
-    const std::uint32_t found = slots_[slot].block;
-    return {sheets_.data() + begins_[found], sheets_.data() + begins_[found + 1]};
-  }
-  return {};
+  for (std::uint64_t slot = slot_of(key) & mask_; slots_[slot].block != kEmpty; slot = (slot + 1) & mask_)
+    if (slots_[slot].key == key) return slots_[slot].block;
+  return kEmpty;
+}
+
+std::span<const Passing> BlockIndex::sheets(const BlockPlace& block) const noexcept {
+  const std::uint32_t number = number_of(block);
+  if (number == kEmpty) return {};
+  return {sheets_.data() + begins_[number], sheets_.data() + begins_[number + 1]};
+}
+
+Passing* BlockIndex::find(const BlockPlace& block, std::uint32_t sheet) noexcept {
+  const std::uint32_t number = number_of(block);
+  if (number == kEmpty) return nullptr;
+  for (std::uint32_t k = begins_[number]; k < begins_[number + 1]; ++k)
+    if (sheets_[k].sheet == sheet) return &sheets_[k];
+  return nullptr;
 }
 
 }  // namespace sparsha::haptics

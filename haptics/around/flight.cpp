@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "haptics/proxy/bicubic_descent.h"
 #include "haptics/proxy/place.h"
@@ -16,7 +17,10 @@ namespace {
 constexpr double kMiss = std::numeric_limits<double>::infinity();
 // Sheets of one surface lie apart by a share of this where they overlap, and by this at most about a worn edge. A hand
 // may hover between them: one that is not further inside and goes inwards is stopped where it is.
-constexpr double kBetweenSheets = 0.6;       // cells, along the normal
+constexpr double kBetweenSheets = 0.6;  // cells, along the normal
+// A way that is so far from a sheet's planes does not meet it. Catmull-Rom patches overshoot the planes.
+template <class Surface>
+constexpr double kApart = std::is_same_v<Surface, C1Surface> ? kMiss : kBetweenSheets + 0.05;  // cells
 constexpr double kOverlap = 1e-3;            // cells: ways through neighbouring blocks overlap by so much
 constexpr double kOnEdge = 1e-3;             // cells: so far outside, a place still counts as inside an edge
 constexpr double kOutsideCells = 2.5;        // cells: a rim does not reach further out of the sheet beyond an edge
@@ -121,9 +125,9 @@ class SheetMarch {
 enum class Held { outside, inside, unknown };
 Held held_at(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& place_m) noexcept {
   Held held = Held::unknown;
-  for (const std::uint32_t other : object.blocks.sheets_at(place_m)) {
-    if (other == own) continue;
-    const SheetView view = view_of(object.sheets[other], place_m);
+  for (const Passing& other : object.blocks.sheets_at(place_m)) {
+    if (other.sheet == own) continue;
+    const SheetView view = view_of(object.sheets[other.sheet], place_m);
     const double gap = view.gap_m / object.spacing_m;
     if (view.cell == kNoCell || gap > kOutsideCells || gap < -kInsideCells) continue;
     if (gap > kOnEdge) return Held::outside;
@@ -148,7 +152,8 @@ bool is_edge(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector
 std::optional<Crossing> surface_over(const ObjectSurface& object, const Eigen::Vector3d& place_m) noexcept {
   Crossing nearest;
   double least = kInsideCells * object.spacing_m;
-  for (const std::uint32_t sheet : object.blocks.sheets_at(place_m)) {
+  for (const Passing& passing : object.blocks.sheets_at(place_m)) {
+    const std::uint32_t sheet = passing.sheet;
     const SheetView view = view_of(object.sheets[sheet], place_m);
     if (view.cell == kNoCell || view.gap_m > kOutsideCells * object.spacing_m) continue;
     if (view.gap_m > kOnEdge * object.spacing_m) return {};
@@ -227,8 +232,10 @@ Flight fly_over(const ObjectSurface& object, const Eigen::Vector3d& from_m, cons
     const double exit = walk.exit();
     const double end = std::min(1.0, exit + overlap);
     Crossing first;
-    for (const std::uint32_t sheet : object.blocks.sheets(walk.block()))
-      cross_sheet<Surface>(object, sheet, from_m, way_m, begin, end, k == 0 && !leaving, first, refused);
+    const Eigen::Vector3d enters_m = from_m + begin * way_m, leaves_m = from_m + end * way_m;
+    for (const Passing& passing : object.blocks.sheets(walk.block()))
+      if (!passing.is_apart(enters_m, leaves_m, kApart<Surface> * object.spacing_m))
+        cross_sheet<Surface>(object, passing.sheet, from_m, way_m, begin, end, k == 0 && !leaving, first, refused);
     if (first.sheet != kNoSheet) return {first, first.share};
     if (exit >= 1.0) {
       const bool came_in = refused && (leaving || held_at(object, kNoSheet, from_m) != Held::inside);
@@ -258,8 +265,10 @@ std::optional<Crossing> stop_over(const ObjectSurface& object, std::uint32_t own
   const Eigen::Vector3d way_m = to_m - from_m;
   const double cells_per_m = 1.0 / object.spacing_m;
   Crossing first;
-  for (const std::uint32_t other : object.blocks.sheets_at(from_m)) {
-    if (other == own) continue;
+  const double kept = way_m.norm() < kPassingReach * object.spacing_m ? kApart<Surface> : kMiss;
+  for (const Passing& passing : object.blocks.sheets_at(from_m)) {
+    const std::uint32_t other = passing.sheet;
+    if (other == own || passing.is_apart(from_m, to_m, kept * object.spacing_m)) continue;
     const SheetSurface& sheet = object.sheets[other];
     const Eigen::Vector3d from = cells_per_m * sheet.to_local(from_m);
     const Eigen::Vector3d w = cells_per_m * sheet.axes.to_chart(way_m);

@@ -13,7 +13,7 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kBlockCells = 8.0;          // width of a block
+constexpr double kBlockCells = 4.0;          // width of a block
 constexpr double kNearCells = 2.5;           // two sheets so near are looked at
 constexpr double kSteep = 0.5;               // facing below which the proxy looks for another sheet
 constexpr double kSameGapCells = 0.5;        // of two sheets of one surface, at most
@@ -42,27 +42,133 @@ std::array<Eigen::Vector3d, 4> corners_of(const SheetSurface& sheet, int i, int 
   return corners;
 }
 
+/// Use(block) of all blocks that are so near to a cell.
+template <typename Use>
+void for_blocks(const BlockIndex& blocks, const SheetSurface& sheet, int i, int j, double reach_m, const Use& use) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& corner : corners_of(sheet, i, j)) box.extend(corner);
+  const Eigen::Vector3d reach = Eigen::Vector3d::Constant(reach_m);
+  const BlockPlace low = blocks.block_of(box.min() - reach);
+  const BlockPlace high = blocks.block_of(box.max() + reach);
+  for (int x = low.x(); x <= high.x(); ++x)
+    for (int y = low.y(); y <= high.y(); ++y)
+      for (int z = low.z(); z <= high.z(); ++z) use(BlockPlace(x, y, z));
+}
+
+/// The blocks that were asked for last: most cells lie in blocks that cells before them lie in, too.
+template <class Value>
+class LastBlocks {
+ public:
+  /// The value of a block; `make(key)` gives it for one that is not among the last ones.
+  template <typename Make>
+  const Value& of(const BlockPlace& block, const Make& make) {
+    const std::uint64_t key = BlockIndex::key_of(block);
+    Slot& slot = slots_[static_cast<std::size_t>(block.x() & 15) << 8U |
+                        static_cast<std::size_t>(block.y() & 15) << 4U | static_cast<std::size_t>(block.z() & 15)];
+    if (slot.key != key) slot = {key, make(key)};
+    return slot.value;
+  }
+
+ private:
+  struct Slot {
+    std::uint64_t key = ~std::uint64_t{0};
+    Value value{};
+  };
+  std::vector<Slot> slots_ = std::vector<Slot>(4096);
+};
+
 BlockIndex index_of(const std::vector<SheetSurface>& sheets, double spacing_m) {
-  BlockIndex measure(kBlockCells * spacing_m, {});
+  const BlockIndex measure(kBlockCells * spacing_m, {});
   std::vector<BlockIndex::Entry> entries;
   for (std::size_t s = 0; s < sheets.size(); ++s) {
-    std::uint64_t last = ~std::uint64_t{0};
+    LastBlocks<bool> last;
     for_cells(sheets[s], [&](int i, int j, std::size_t) {
-      Eigen::AlignedBox3d box;
-      for (const Eigen::Vector3d& corner : corners_of(sheets[s], i, j)) box.extend(corner);
-      const Eigen::Vector3d reach = Eigen::Vector3d::Constant(kNearCells * spacing_m);
-      const BlockPlace low = measure.block_of(box.min() - reach);
-      const BlockPlace high = measure.block_of(box.max() + reach);
-      for (int x = low.x(); x <= high.x(); ++x)
-        for (int y = low.y(); y <= high.y(); ++y)
-          for (int z = low.z(); z <= high.z(); ++z) {
-            const std::uint64_t key = BlockIndex::key_of({x, y, z});
-            if (key != last || low == high) entries.push_back({key, static_cast<std::uint32_t>(s)});
-            last = key;
-          }
+      for_blocks(measure, sheets[s], i, j, kNearCells * spacing_m, [&](const BlockPlace& block) {
+        static_cast<void>(last.of(block, [&](std::uint64_t key) {
+          entries.push_back({key, static_cast<std::uint32_t>(s)});
+          return true;
+        }));
+      });
     });
   }
   return {kBlockCells * spacing_m, std::move(entries)};
+}
+
+/// What a cell's bilinear and B-spline patches lie within: the sixteen nodes about it, or where they are nearly in a
+/// plane, its corners and a slack. Cubics between nodes differ from straight lines by 1/8 of the second differences,
+/// those of the B-spline at nodes by 1/6 besides.
+class CellHull {
+ public:
+  CellHull(const SheetSurface& sheet, int i, int j, const std::array<Eigen::Vector3d, 4>& corners) {
+    constexpr double kShare = 0.3;
+    constexpr double kNearlyPlane = 0.2;  // cells
+    const scene::Lattice& lattice = sheet.surface->lattice;
+    const auto height = [&](int a, int b) {
+      return static_cast<double>(
+          sheet.surface->height_m[lattice.index(std::clamp(a, 0, lattice.nx - 1), std::clamp(b, 0, lattice.ny - 1))]);
+    };
+    double along_u = 0.0, along_v = 0.0;
+    for (int k = 0; k < 2; ++k)
+      for (int l = -1; l <= 2; ++l) {
+        const int a = i + k, b = j + k;
+        along_u = std::max(along_u, std::abs(height(a - 1, j + l) - 2.0 * height(a, j + l) + height(a + 1, j + l)));
+        along_v = std::max(along_v, std::abs(height(i + l, b - 1) - 2.0 * height(i + l, b) + height(i + l, b + 1)));
+      }
+    slack_m_ = kShare * (along_u + along_v);
+    std::copy(corners.begin(), corners.end(), places_m_.begin());
+    if (slack_m_ <= kNearlyPlane * lattice.spacing_m) return;
+    slack_m_ = 0.0;
+    count_ = places_m_.size();
+    for (int k = 0; k < 16; ++k) {
+      const int a = i - 1 + k % 4, b = j - 1 + k / 4;
+      places_m_[static_cast<std::size_t>(k)] =
+          sheet.to_object({a * lattice.spacing_m, b * lattice.spacing_m, height(a, b)});
+    }
+  }
+  void widen(Passing& passing) const {
+    const auto slack_m = static_cast<float>(slack_m_);
+    for (std::size_t k = 0; k < count_; ++k) {
+      const auto at_m = static_cast<float>(passing.height_m(places_m_[k]));
+      passing.low_m = std::min(passing.low_m, at_m - slack_m);
+      passing.high_m = std::max(passing.high_m, at_m + slack_m);
+    }
+  }
+
+ private:
+  std::array<Eigen::Vector3d, 16> places_m_;
+  std::size_t count_ = 4;
+  double slack_m_ = 0.0;
+};
+
+/// The planes that hold each sheet in each block: along the mean normal of the cells in it, or the normal of any cell
+/// near to it.
+void set_planes(ObjectSurface& object) {
+  for (std::size_t s = 0; s < object.sheets.size(); ++s) {
+    const SheetSurface& sheet = object.sheets[s];
+    LastBlocks<Passing*> last;
+    const auto passing_in = [&](const BlockPlace& block) -> Passing& {
+      return *last.of(block, [&](std::uint64_t) { return object.blocks.find(block, static_cast<std::uint32_t>(s)); });
+    };
+    const auto normal_of = [&](const std::array<Eigen::Vector3d, 4>& corners) {
+      return Eigen::Vector3f((corners[3] - corners[0]).cross(corners[2] - corners[1]).cast<float>());
+    };
+    for_cells(sheet, [&](int i, int j, std::size_t) {
+      const auto corners = corners_of(sheet, i, j);
+      passing_in(object.blocks.block_of(0.5 * (corners[0] + corners[3]))).normal += normal_of(corners);
+    });
+    for_cells(sheet, [&](int i, int j, std::size_t) {
+      const auto corners = corners_of(sheet, i, j);
+      const CellHull hull(sheet, i, j, corners);
+      for_blocks(object.blocks, sheet, i, j, kPassingReach * object.spacing_m, [&](const BlockPlace& block) {
+        Passing& passing = passing_in(block);
+        if (passing.low_m > passing.high_m) {
+          if (passing.normal.isZero(0.0F)) passing.normal = normal_of(corners);
+          passing.normal.normalize();
+        }
+        hull.widen(passing);
+      });
+    });
+  }
 }
 
 /// Steep cells, and those near another sheet that is not the same surface.
@@ -70,9 +176,9 @@ bool needs_a_look(const ObjectSurface& object, std::uint32_t own, const Eigen::V
                   const Eigen::Vector3d& normal, double facing) {
   if (facing < kSteep) return true;
   const double near_m = kNearCells * object.spacing_m;
-  for (const std::uint32_t other : object.blocks.sheets_at(place_m)) {
-    if (other == own) continue;
-    const SheetView view = view_of(object.sheets[other], place_m);
+  for (const Passing& other : object.blocks.sheets_at(place_m)) {
+    if (other.sheet == own) continue;
+    const SheetView view = view_of(object.sheets[other.sheet], place_m);
     if (view.cell == kNoCell || std::abs(view.gap_m) > near_m) continue;
     const bool same =
         std::abs(view.gap_m) <= kSameGapCells * object.spacing_m && view.normal.dot(normal) >= kSameNormal;
@@ -140,6 +246,7 @@ std::shared_ptr<ObjectSurface> object_of(const scene::Charts& charts, const Arou
     ++object->charted;
   }
   object->blocks = index_of(object->sheets, charts.spacing_m);
+  set_planes(*object);
   mark_looks(*object);
   for (SheetSurface& sheet : object->sheets) count_open_cells(sheet);
   return object;

@@ -307,6 +307,35 @@ TEST(Around, AHandThatIsNoNumberChangesNothing) {
   EXPECT_EQ(before.contact, after.contact);
 }
 
+TEST(Around, EveryBlockKnowsBetweenWhichPlanesItsSheetsLie) {
+  const Touched on = touched("knot", make_knot());
+  const haptics::ObjectSurface& object = *on.surface;
+  std::size_t cells = 0, apart = 0, above = 0;
+  for (std::size_t s = 0; s < object.sheets.size(); ++s) {
+    const haptics::SheetSurface& sheet = object.sheets[s];
+    const scene::Lattice& lattice = sheet.surface->lattice;
+    for (int j = 0; j + 1 < lattice.ny; ++j)
+      for (int i = 0; i + 1 < lattice.nx; ++i) {
+        if (sheet.cell(i, j) < haptics::kLookCell) continue;
+        const double x = (i + 0.3) * on.h, y = (j + 0.6) * on.h;
+        const Vector3d at = sheet.to_object({x, y, touched_height(*sheet.surface, x, y, haptics::CellShape::rounded)});
+        const Vector3d outside = at + 3.0 * on.h * view_of(sheet, at).normal;
+        ++cells;
+        bool found = false;
+        for (const haptics::Passing& passing : object.blocks.sheets_at(at)) {
+          if (passing.sheet != s) continue;
+          found = true;
+          apart += passing.is_apart(at, at, 1e-3 * on.h) ? 1 : 0;
+          above += passing.is_apart(outside, outside, on.h) ? 1 : 0;
+        }
+        ASSERT_TRUE(found);
+      }
+  }
+  EXPECT_GT(cells, 10'000U);
+  EXPECT_EQ(apart, 0U);
+  EXPECT_GT(above, cells / 2) << "planes that are of use";
+}
+
 TEST(Around, WithoutASheetThereIsNothingToTouch) { EXPECT_THROW((void)haptics::make_object_surface({}), Error); }
 
 }  // namespace
