@@ -18,6 +18,19 @@ const char* places_of(pipeline::CheckResult::Against against) {
   return against == Against::mesh ? "places on the mesh" : "points and places on the mesh";
 }
 
+// The share of places below which it is no news that some are sparse.
+constexpr double kFewSparse = 0.005;
+
+std::string surface_line(const pipeline::Report::Surface& surface) {
+  std::string text = fmt::format("surface   decided by {}", surface.method);
+  if (surface.sparse_share >= kFewSparse)
+    text +=
+        fmt::format(", {} {:.1f} % of its places{}", surface.method == "windows" ? "since" : "wider at",
+                    100.0 * surface.sparse_share,
+                    surface.method == "windows" ? " are too sparse for tangent discs" : ", whose points are sparse");
+  return text + '\n';
+}
+
 std::string around_line(const pipeline::AroundReport& around) {
   std::string text = fmt::format("around    {} sheets with {} nodes, {} apart", around.sheets, count_text(around.nodes),
                                  length_text(around.spacing_m));
@@ -53,6 +66,7 @@ std::string build_summary(const scene::Scene& scene, const pipeline::Report& rep
     text += fmt::format("scattered {} of these lie in space, no nearer to others than by chance, and make no surface\n",
                         count_text(points.scattered));
   }
+  if (!report.surface.method.empty()) text += surface_line(report.surface);
   for (const pipeline::Report::Filter& filter : report.filters) {
     text += fmt::format("filter    {}: {} taken away{}{}\n", filter.name, count_text(filter.removed),
                         filter.outliers ? " as outliers" : "", filter.found.empty() ? "" : "; " + filter.found);

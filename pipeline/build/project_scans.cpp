@@ -486,6 +486,10 @@ Report take_counts(ProjectedScans& scans) {
   report.points.used = scans.projection.used;
   report.points.occluded = scans.projection.occluded;
   report.points.scattered = scans.projection.scattered;
+  report.surface.method = scans.projection.only_mesh ? "triangles"
+                          : scans.projection.discs   ? "tangent discs"
+                                                     : "windows";
+  report.surface.sparse_share = scans.projection.sparse_share;
   report.points.edge_on = scans.projection.edge_on;
   report.points.outlier += scans.projection.outlier;
   report.points.outside = scans.projection.outside;

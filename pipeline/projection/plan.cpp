@@ -89,6 +89,7 @@ bool may_show_back(const SpaceStatistics& statistics, const std::vector<Station>
 struct UnevenSurface {
   SurfaceStatistics surface;
   double times = 1.0;
+  double wider_share = 0.0;  ///< of places that need them
 };
 
 // Regions that were scanned from afar have fewer points than neighbourhoods of the median spacing need: these are
@@ -106,6 +107,7 @@ UnevenSurface uneven_surface(const OrientedPieces& pieces, const Extent& extent,
     if (result.times == 2.0 && wide.sparse_flat_share < kSparseFlat * sparse_share) return {result.surface};
     sparse_share = wide.flat ? wide.sparse_share : 1.0;
   }
+  if (result.times > 1.0) result.wider_share = result.surface.sparse_share;
   result.surface.sparse_share = sparse_share;
   return result;
 }
@@ -163,13 +165,17 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
   // Discs, of `space`; of several sides what is seen tells which faces out. False where they would not find the
   // surface.
   const auto use_discs = [&](const SpaceStatistics& space, bool on_lines, bool several) {
-    const auto [surface, times] = uneven_surface(pieces, extent, space.surface_spacing_m, on_lines, pool);
-    if (!(surface.spacing_m > 0.0) || surface.sparse_share > kMostSparse || (on_lines && !surface.flat)) return false;
+    const auto [surface, times, wider_share] = uneven_surface(pieces, extent, space.surface_spacing_m, on_lines, pool);
+    if (!(surface.spacing_m > 0.0) || surface.sparse_share > kMostSparse || (on_lines && !surface.flat)) {
+      plan.sparse_share = surface.sparse_share;
+      return false;
+    }
     statistics.noise_m = surface.noise_m;
     statistics.point_spacing_m = surface.spacing_m;
     plan.front_spacing_m = surface.front_spacing_m;
     plan.discs = disc_rule(surface, on_lines);
     plan.discs->most_spacings *= times;
+    plan.sparse_share = wider_share;
     plan.closed = several;
     if (several || may_show_back(space, oriented.stations)) {
       find_sides(pieces, totals, extent, oriented, surface.spacing_m,
@@ -221,6 +227,8 @@ Projection ProjectionPlan::empty_projection() const {
   projection.point_spacing_m = front_spacing_m;
   projection.gap_m = gap_m;
   projection.closed = closed;
+  projection.discs = discs.has_value();
+  projection.sparse_share = sparse_share;
   projection.facing_asked = facing_asked;
   projection.facing_known = facing != nullptr;
   projection.lying_stations = lying_stations;

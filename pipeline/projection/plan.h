@@ -34,6 +34,7 @@ struct ProjectionPlan {
   double front_spacing_m = 0.0;
   double gap_m = 0.0;
   std::optional<DiscRule> discs;              ///< closed objects and scans in lines: tangent discs decide the nodes
+  double sparse_share = 0.0;                  ///< of places that need wider discs, or that ruled discs out
   bool closed = false;                        ///< discs, of an object that has several sides
   double layers_apart_m = 0.0;                ///< median, of places with two layers
   ScatterRule scatter;                        ///< points of no surface stay out

@@ -26,6 +26,8 @@ struct Projection {
   double point_spacing_m = 0.0;         ///< median spacing of front points
   double gap_m = 0.0;                   ///< the depth gap that separates front from back
   bool closed = false;                  ///< several sides, told apart by tangent discs, see tangent_discs.h
+  bool discs = false;                   ///< tangent discs decide the nodes, else windows in x and y (or triangles)
+  double sparse_share = 0.0;            ///< of an object's places: too sparse for discs as wide as elsewhere
   std::uint64_t nodes_doubtful = 0;     ///< measured nodes where another layer follows closely; of closed ones
   bool facing_asked = false;            ///< a back may show through holes of the front; only then are these counted:
   bool facing_known = false;            ///< layers that face away were told from others

@@ -98,6 +98,11 @@ std::string key_figures(const scene::SceneDescription& scene, const Report& repo
   if (scene.noise_m > 0)
     add("Scanner noise", length_text(scene.noise_m, TextStyle::typeset),
         scene.config.grid.noise_m ? "standard deviation, from grid.noise_mm" : "standard deviation, estimated");
+  if (!report.surface.method.empty())
+    add("Surface decided by", report.surface.method,
+        report.surface.sparse_share > 0.0
+            ? fmt::format("{} of its places are sparse", percent(report.surface.sparse_share))
+            : "");
   if (report.check) {
     const CheckResult& check = *report.check;
     if (check.cloud_to_surface.samples > 0)

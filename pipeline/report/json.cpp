@@ -92,6 +92,8 @@ std::string report_json(const scene::Scene& scene, const Report& report) {
                          {"behind", p.occluded - p.edge_on},
                          {"edge_on", p.edge_on}};
   json["scattered"] = p.scattered;
+  if (!report.surface.method.empty())
+    json["surface"] = {{"method", report.surface.method}, {"sparse_share", report.surface.sparse_share}};
   json["triangles"] = report.triangles;
   json["filters"] = Json::array();
   for (const Report::Filter& filter : report.filters) {

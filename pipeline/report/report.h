@@ -48,6 +48,12 @@ struct Report {
         0;  ///< of those in the grid: no nearer to others than by chance, so that no surface is theirs
     std::uint64_t edge_on = 0;  ///< of the occluded: on surfaces that the view shows edge-on
   } points;
+  /// What decided about the nodes: "triangles", "tangent discs" or "windows"; and the share of an object's places (0 to
+  /// 1) whose points are so far apart that discs are wider there than elsewhere, or that windows decide instead.
+  struct Surface {
+    std::string method;
+    double sparse_share = 0.0;
+  } surface;
   std::uint64_t triangles = 0;  ///< of meshes among the scans, as they reached the projection
   /// What a filter of the configuration did, in their order.
   struct Filter {

@@ -202,6 +202,7 @@ TEST_F(Build, ReportJsonSaysWhatTheReportSays) {
   const auto json = nlohmann::json::parse(report_json(*result.scene, result.report));
   EXPECT_EQ(json["points"]["read"], result.report.points.read);
   EXPECT_EQ(json["grid"]["nx"], result.scene->description().levels[0].nx);
+  EXPECT_EQ(json["surface"]["method"], "windows");
   EXPECT_EQ(json["check"]["cloud_to_surface"]["samples"], result.report.check->cloud_to_surface.samples);
   for (const char* key : {"size_m", "coverage", "filled_fraction", "noise_m", "stages", "total_seconds",
                           "peak_rss_bytes", "inputs", "warnings", "version"}) {
@@ -241,6 +242,7 @@ TEST_F(Build, AMeshIsJudgedByItsTrianglesAndCalledAMesh) {
   };
   const auto report = built("scene", 1, 0);
   EXPECT_EQ(report["triangles"], 1000);
+  EXPECT_EQ(report["surface"]["method"], "triangles");
   EXPECT_EQ(report["check"]["against"], "mesh");
   EXPECT_EQ(report["check"]["completeness"], 1.0);
   EXPECT_EQ(report["check"]["cloud_to_surface"]["samples"], 20000);

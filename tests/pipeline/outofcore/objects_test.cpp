@@ -50,6 +50,8 @@ TEST_F(ObjectsOutOfCore, ClosedObjectsGiveTheSameBytesAsInMemoryOnCoarseGridsAnd
         "4000}}\n",
         size);
     expect_same_out_of_core(scene::parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
+    for (const char* built : {"memory", "disk"})
+      EXPECT_EQ(report(folder_ / built)["surface"]["method"], "tangent discs") << built;
   }
 }
 

@@ -18,6 +18,8 @@ TEST(UnevenObjects, KeepDiscsWhereTheyAreDenseAndHaveWiderOnesWhereTheyAreSparse
     const pipeline::Projection p = project_scan(scan);
     const Judgement f = judge_object(p.grid, *named.object, scan);
     EXPECT_TRUE(p.closed) << named.name;
+    EXPECT_TRUE(p.discs) << named.name;
+    EXPECT_GT(p.sparse_share, 0.0) << named.name;
     EXPECT_LE(f.wrong_smooth, 0.001) << named.name;
     EXPECT_LE(f.beyond, 0.01) << named.name;
     EXPECT_GE(f.covered, 0.9) << named.name;

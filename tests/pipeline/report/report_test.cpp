@@ -137,6 +137,18 @@ TEST(ReportText, CountsTheNodesWhoseFrictionIsNotTold) {
   EXPECT_THAT(html, ::testing::HasSubstr("Friction not told</dt><dd>25"));
 }
 
+TEST(ReportText, SaysWhichMethodDecidedTheSurface) {
+  const scene::ScenePointer scene = example_scene();
+  Report report = example_report();
+  EXPECT_FALSE(json::parse(report_json(*scene, report)).contains("surface"));
+  EXPECT_THAT(report_html(*scene, report, {}, {}), ::testing::Not(::testing::HasSubstr("Surface decided by")));
+  report.surface = {"tangent discs", 0.25};
+  const json surface = json::parse(report_json(*scene, report)).at("surface");
+  EXPECT_EQ(surface.at("method"), "tangent discs");
+  EXPECT_EQ(surface.at("sparse_share"), 0.25);
+  EXPECT_THAT(report_html(*scene, report, {}, {}), ::testing::HasSubstr("Surface decided by</dt><dd>tangent discs"));
+}
+
 TEST(ReportJson, ReadIsTheSumOfTheOthers) {
   const json points = json::parse(report_json(*example_scene(), example_report()))["points"];
   std::uint64_t sum = 0;
