@@ -3,12 +3,16 @@
 file(REMOVE_RECURSE ${WORK})
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --component program --prefix ${WORK}/prefix
   COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
+if(EXISTS ${BUILD}/python/sparsha)
+  execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --component python --prefix ${WORK}/prefix
+    COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
+endif()
 if(GUARDS)
   set(flags --hardened)
 endif()
 file(GLOB folders ${BUILD}/*/CMakeFiles ${BUILD}/*/*/CMakeFiles)
 list(FILTER folders EXCLUDE REGEX "/[a-z]+-test/")  # of programs that use the package: not ours
-foreach(name bin lib tests)
+foreach(name bin lib python tests)
   if(EXISTS ${BUILD}/${name})
     list(APPEND folders ${BUILD}/${name})
   endif()

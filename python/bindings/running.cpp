@@ -1,0 +1,153 @@
+#include "python/bindings/running.hpp"
+
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/error.h"
+
+namespace sparsha::python {
+namespace py = pybind11;
+
+namespace {
+
+constexpr std::chrono::milliseconds kLook{20};  // between two looks for Ctrl-C
+
+/// What the work has said and the caller's thread has not handed on yet.
+class Inbox {
+ public:
+  struct Message {
+    std::string stage;
+    double fraction = 0.0;
+  };
+
+  void take(const ProgressUpdate& update) {
+    const std::lock_guard lock(mutex_);
+    if (update.kind == ProgressUpdate::Kind::warning) {
+      warnings_.emplace_back(update.text);
+      return;
+    }
+    if (update.kind == ProgressUpdate::Kind::stage) {
+      stage_ = update.text;
+      messages_.push_back({stage_, 0.0});
+    } else if (!messages_.empty() && messages_.back().stage == stage_) {
+      messages_.back().fraction = update.fraction;
+    } else {
+      messages_.push_back({stage_, update.fraction});
+    }
+  }
+  void end() {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+    changed_.notify_one();
+  }
+  /// Waits for the end of the work, or a moment. True once it has ended.
+  bool wait() {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, kLook, [&] { return ended_; });
+  }
+  void hand_over(std::vector<Message>& messages, std::vector<std::string>& warnings) {
+    const std::lock_guard lock(mutex_);
+    messages.swap(messages_);
+    warnings.swap(warnings_);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool ended_ = false;
+  std::string stage_;
+  std::vector<Message> messages_;
+  std::vector<std::string> warnings_;
+};
+
+/// Throws error_already_set for what Python raises.
+void hand_on(Inbox& inbox, const py::object& listener) {
+  std::vector<Inbox::Message> messages;
+  std::vector<std::string> warnings;
+  inbox.hand_over(messages, warnings);
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  if (!listener.is_none()) {
+    for (const Inbox::Message& message : messages) listener(message.stage, message.fraction);
+  }
+  if (warnings.empty()) return;
+  const py::object category = py::module_::import("sparsha._errors").attr("Warning");
+  for (const std::string& warning : warnings) {
+    if (PyErr_WarnEx(category.ptr(), warning.c_str(), 1) != 0) throw py::error_already_set();
+  }
+}
+
+/// Ends the work where its thread would outlive the caller otherwise.
+class Joined {
+ public:
+  explicit Joined(std::thread thread) : thread_(std::move(thread)) {}
+  ~Joined() {
+    if (thread_.joinable()) thread_.join();
+  }
+  Joined(const Joined&) = delete;
+  Joined& operator=(const Joined&) = delete;
+  void join() { thread_.join(); }
+
+ private:
+  std::thread thread_;
+};
+
+}  // namespace
+
+void run_without_lock(const py::object& listener, const std::function<void(Progress&)>& work) {
+  if (!listener.is_none() && PyCallable_Check(listener.ptr()) == 0) {
+    throw py::type_error("progress is not callable; expected None or a function of (stage, fraction)");
+  }
+  Inbox inbox;
+  Progress progress([&](const ProgressUpdate& update) { inbox.take(update); });
+  std::exception_ptr thrown;
+  std::exception_ptr raised;  // by Python, on this thread
+  {
+    Joined thread(std::thread([&] {
+      try {
+        work(progress);
+      } catch (...) {
+        thrown = std::current_exception();
+      }
+      inbox.end();
+    }));
+    for (bool ended = false; !ended;) {
+      {
+        const py::gil_scoped_release release;
+        ended = inbox.wait();
+        if (ended) thread.join();
+      }
+      if (raised) continue;
+      try {
+        hand_on(inbox, listener);
+      } catch (...) {
+        raised = std::current_exception();
+        progress.cancel();
+      }
+    }
+  }
+  if (raised) std::rethrow_exception(raised);
+  if (thrown) std::rethrow_exception(thrown);
+}
+
+void translate_errors() {
+  py::register_exception_translator([](std::exception_ptr pointer) {
+    if (!pointer) return;
+    try {
+      std::rethrow_exception(pointer);
+    } catch (const Error& error) {
+      const Place& place = error.place();
+      const py::object made =
+          py::module_::import("sparsha._errors")
+              .attr("of_core")(static_cast<int>(error.kind()), std::string(error.what()), place.file, place.line,
+                               place.column, error.wrong(), error.expected());
+      PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(made.ptr())), made.ptr());
+    }
+  });
+}
+
+}  // namespace sparsha::python

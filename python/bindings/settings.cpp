@@ -1,0 +1,50 @@
+#include "python/bindings/settings.hpp"
+
+#include <fmt/format.h>
+
+#include "base/yaml.h"
+#include "scene/config/override.h"
+
+namespace sparsha::python {
+namespace py = pybind11;
+
+std::string text_of(const py::handle& value) {
+  return py::module_::import("sparsha._settings").attr("text")(value).cast<std::string>();
+}
+
+std::vector<std::string> settings_of(const py::dict& settings) {
+  std::vector<std::string> found;
+  if (settings.empty()) return found;
+  for (const py::handle& item : py::module_::import("sparsha._settings").attr("assignments")(settings)) {
+    found.push_back(item.cast<std::string>());
+  }
+  return found;
+}
+
+std::vector<std::string> paths_of(const py::handle& given, const char* name) {
+  const py::object as_path = py::module_::import("os").attr("fsdecode");
+  const auto is_path = [](const py::handle& object) {
+    return py::isinstance<py::str>(object) || py::isinstance<py::bytes>(object) || py::hasattr(object, "__fspath__");
+  };
+  if (is_path(given)) return {as_path(given).cast<std::string>()};
+  if (!py::isinstance<py::sequence>(given)) {
+    throw py::type_error(
+        fmt::format("{} is {}; expected a path or a list of paths", name, Py_TYPE(given.ptr())->tp_name));
+  }
+  std::vector<std::string> paths;
+  for (const py::handle& item : py::reinterpret_borrow<py::sequence>(given)) {
+    if (!is_path(item)) {
+      throw py::type_error(fmt::format("{} holds {}; expected paths", name, Py_TYPE(item.ptr())->tp_name));
+    }
+    paths.push_back(as_path(item).cast<std::string>());
+  }
+  return paths;
+}
+
+scene::Config config_of_text(const std::string& text, const std::vector<std::string>& settings) {
+  yaml::Node root = yaml::parse_text(text, "the configuration");
+  scene::override_keys(root, settings);
+  return scene::parse_config(root, {});
+}
+
+}  // namespace sparsha::python

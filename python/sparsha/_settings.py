@@ -1,0 +1,28 @@
+"""Python's values as the text of a configuration. JSON is YAML, which the core reads with its own messages."""
+import json
+import os
+
+
+def _plain(value):
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if hasattr(value, "tolist"):  # arrays and numbers of NumPy
+        return value.tolist()
+    raise TypeError(f"a configuration cannot hold {type(value).__name__}: {value!r}")
+
+
+def text(value):
+    """The value as JSON."""
+    return json.dumps(value, default=_plain, ensure_ascii=False)
+
+
+def assignments(settings, before=""):
+    """{"grid": {"size": 400}} as ["grid.size=400"], in the order of the keys; a list or a number is one value."""
+    found = []
+    for key, value in settings.items():
+        path = before + str(key)
+        if isinstance(value, dict) and value:
+            found += assignments(value, path + ".")
+        else:
+            found.append(f"{path}={text(value)}")
+    return found
