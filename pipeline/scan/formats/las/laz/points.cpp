@@ -14,7 +14,8 @@
 namespace sparsha::pipeline::laz {
 namespace {
 
-constexpr std::uint64_t kMostBuffered = 1U << 18U;  // points of a chunk
+constexpr std::uint64_t kMostBuffered = 1U << 18U;  // points of a chunk, or of small ones together
+constexpr std::size_t kChunksAhead = 8;             // for each thread
 constexpr std::size_t kBlock = 4096;                // records
 
 /// Decodes the next `count` records behind those of `out`, in memory that grows with what is there. `record` is the
@@ -139,11 +140,12 @@ class SideBySide {
         pool_(pool),
         losses_(losses),
         sink_(sink),
-        buffers_(pool.threads() + 1) {}
+        buffers_(kChunksAhead * pool.threads()) {}
 
   /// Chunks `begin` to `end`, each small enough for memory.
   void read(std::size_t begin, std::size_t end) {
     next_ = taken_ = begin;
+    ahead_ = 0;
     end_ = end;
     stop_ = false;
     const std::thread::id caller = std::this_thread::get_id();
@@ -165,12 +167,21 @@ class SideBySide {
   };
 
   Buffer& buffer_of(std::size_t chunk) { return buffers_[chunk % buffers_.size()]; }
-  [[nodiscard]] bool may_decode() const { return next_ < end_ && next_ < taken_ + buffers_.size(); }
+  /// Small chunks may be decoded farther ahead, so that no thread waits for another's large one.
+  [[nodiscard]] bool may_decode() const {
+    if (next_ >= end_ || next_ >= taken_ + buffers_.size()) return false;
+    return next_ <= taken_ + pool_.threads() || ahead_ + chunks_[next_].points <= kMostBuffered;
+  }
 
   /// Decodes the next chunk, without the lock.
   void decode_one(std::unique_lock<std::mutex>& lock) {
     const std::size_t number = next_++;
+    ahead_ += chunks_[number].points;
     Buffer& buffer = buffer_of(number);
+    if (!spare_.empty()) {
+      buffer.records.swap(spare_.back());
+      spare_.pop_back();
+    }
     lock.unlock();
     buffer.records.clear();
     buffer.damage.reset();
@@ -221,7 +232,11 @@ class SideBySide {
       }
       lock.lock();
       buffer.full = false;
+      ahead_ -= chunks_[taken_].points;
       ++taken_;
+      // Memory of as many chunks as may be large is kept for those to come.
+      if (spare_.size() + next_ - taken_ <= pool_.threads()) spare_.push_back(std::move(buffer.records));
+      buffer.records = {};
       changed_.notify_all();
     }
   }
@@ -249,10 +264,12 @@ class SideBySide {
   ThreadPool& pool_;
   Losses& losses_;
   const RecordSink& sink_;
-  std::vector<Buffer> buffers_;  ///< of chunk n at n modulo their number
+  std::vector<Buffer> buffers_;     ///< of chunk n at n modulo their number
+  std::vector<std::string> spare_;  ///< memory of chunks that were handed over
   std::mutex mutex_;
   std::condition_variable changed_;
   std::size_t next_ = 0, taken_ = 0, end_ = 0;  ///< to be decoded, to be handed over, behind the last
+  std::uint64_t ahead_ = 0;                     ///< points of the chunks from taken_ to next_
   bool stop_ = false;
 };
 
