@@ -14,7 +14,7 @@
 #include "scene/friction_law.h"
 #include "scene/scene.h"
 #include "scene/workspace.h"
-#include "viewer/surface/height_light.h"
+#include "viewer/surface/layer_blur.h"
 
 namespace sparsha::viewer {
 namespace {
@@ -101,10 +101,6 @@ void set_about_zero(Legend& own, double high) {
   own.low = -own.high;
 }
 
-std::vector<float> smoothed(const ReliefData& relief, int radius) {
-  return blur(Heights{relief.lattice.nx, relief.lattice.ny, relief.height_m}, radius);
-}
-
 // What each map shows of the nodes; `own` gets unit and range, within which all but 2 % lie.
 
 std::vector<double> heights(const Source& source, Legend& own) {
@@ -130,20 +126,13 @@ std::vector<double> slopes(const Source& source, Legend& own) {
   return values;
 }
 
-/// Half the Laplacian of heights freed of noise; ridges positive.
+/// Half the Laplacian of heights freed of noise, on each node's own surface; ridges positive.
 std::vector<double> curvatures(const Source& source, Legend& own) {
   const ReliefData& relief = source.relief;
   own.unit = "1/m";
   const double spacing_m = relief.lattice.spacing_m;
-  const std::vector<float> smooth = smoothed(relief, 2);
-  std::vector<double> values(relief.lattice.count(), kNone);
-  for (int j = 1; j + 1 < relief.lattice.ny; ++j)
-    for (int i = 1; i + 1 < relief.lattice.nx; ++i) {
-      const std::size_t k = relief.lattice.index(i, j), row = static_cast<std::size_t>(relief.lattice.nx);
-      if (relief.known[k] == 0) continue;
-      const double around = static_cast<double>(smooth[k - 1]) + smooth[k + 1] + smooth[k - row] + smooth[k + row];
-      values[k] = -0.5 * (around - 4.0 * smooth[k]) / (spacing_m * spacing_m);
-    }
+  std::vector<double> values = laplacian_on_layers(relief, 2);
+  for (double& value : values) value *= -0.5 / (spacing_m * spacing_m);
   set_about_zero(own, typical(values, 0.98));
   return values;
 }
@@ -153,7 +142,7 @@ std::vector<double> local_relief(const Source& source, Legend& own) {
   own.unit = "mm";
   constexpr int kPieces = 40;  // of the longer side: what is wider is form, not inscription
   const int longer = std::max(relief.lattice.nx, relief.lattice.ny);
-  const std::vector<float> form = smoothed(relief, std::max(2, longer / kPieces));
+  const std::vector<float> form = blur_on_layers(relief, std::max(2, longer / kPieces));
   std::vector<double> values =
       each(relief, [&](std::size_t k) { return 1e3 * (static_cast<double>(relief.height_m[k]) - form[k]); });
   // Rims and steps stand out by far more than any inscription: the middle half tells the range.
