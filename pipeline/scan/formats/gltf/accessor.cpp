@@ -99,6 +99,11 @@ Accessor::Accessor(const Document& document, std::uint64_t index, const Place& a
   bytes_ = *unpacked_;
 }
 
+Accessor::Accessor(const Document& document, std::uint64_t index, const Place& asked_by, FormOnly)
+    : place_(fmt::format("accessors[{}]", index)) {
+  (void)read_form(document, index, asked_by);
+}
+
 Accessor::Accessor(const Document& document, std::uint64_t index, const Place& asked_by)
     : place_(fmt::format("accessors[{}]", index)) {
   const Json& object = read_form(document, index, asked_by);

@@ -24,6 +24,11 @@ class Accessor {
   Accessor(const Document& document, std::uint64_t index, const Place& asked_by, const DracoMesh& mesh,
            const std::string& attribute);
 
+  /// Without bytes, whose numbers are elsewhere: its form alone is known, and elements are zero.
+  struct FormOnly {};
+  static constexpr FormOnly kFormOnly{};
+  Accessor(const Document& document, std::uint64_t index, const Place& asked_by, FormOnly form);
+
   [[nodiscard]] std::uint64_t size() const { return count_; }
   /// Numbers of an element: 1 to 4.
   [[nodiscard]] std::size_t components() const { return components_; }

@@ -35,26 +35,14 @@ using gltf::Place;
 constexpr std::array<std::string_view, 8> kKnown{
     "KHR_mesh_quantization", "KHR_texture_transform",   "KHR_texture_basisu",      "EXT_texture_webp",
     "KHR_lights_punctual",   "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression"};
-struct Refused {
-  std::string_view name, what, remedy;
-};
-constexpr std::array<Refused, 2> kRefused{
-    Refused{"KHR_gaussian_splatting_compression_spz", "its Gaussian splats are compressed (SPZ)",
-            "the splats as an uncompressed PLY"},
-    Refused{"KHR_gaussian_splatting_compression_spz_2", "its Gaussian splats are compressed (SPZ)",
-            "the splats as an uncompressed PLY"}};
-
 void refuse_extensions(const Document& document) {
   const auto required = document.root().find("extensionsRequired");
   if (required == document.root().end() || !required->is_array()) return;
   for (const Json& entry : *required) {
     if (!entry.is_string()) continue;
     const std::string name = entry.get<std::string>();
-    for (const Refused& refused : kRefused) {
-      if (name == refused.name)
-        throw document.file().error(std::string(refused.what) + " (" + name + ")", std::string(refused.remedy));
-    }
     const bool known = name.starts_with("KHR_materials_") || name.starts_with("KHR_gaussian_splatting") ||
+                       name == "KHR_spz_gaussian_splats_compression" ||
                        std::find(kKnown.begin(), kKnown.end(), name) != kKnown.end();
     if (!known) {
       throw document.file().error("the file needs the extension " + in_quotes(name) + ", which is not known here",
@@ -174,6 +162,7 @@ class Reader {
       ++without_places_;
       return std::nullopt;
     }
+    if (gltf::Splats::are_packed(json)) return packed_splats(json, *attributes, place);
     const std::unique_ptr<const gltf::DracoMesh> packed = gltf::DracoMesh::of(document_, json, place);
     const auto accessor = [&](const char* name) -> std::optional<Accessor> {
       const std::optional<std::uint64_t> index = document_.whole(*attributes, name, place + ".attributes");
@@ -208,7 +197,7 @@ class Reader {
         throw document_.error(primitive.indices->place(), "indices that are no unsigned numbers",
                               "componentType 5121, 5123 or 5125");
     }
-    if (primitive.mode == Mode::points) primitive.splats = gltf::Splats::of(document_, json, size, place);
+    primitive.splats = gltf::Splats::of(document_, json, size, place);
     primitive.look = gltf::look_of(document_, json, place);
     lay_texture(primitive, accessor);
     for (const auto& [name, value] : attributes->items()) {
@@ -218,6 +207,15 @@ class Reader {
         primitive.numbers.emplace_back(name.substr(1), std::move(*numbers));
     }
     return primitive;
+  }
+
+  /// All of their numbers are in one stream; their accessors tell how many there are.
+  Primitive packed_splats(const Json& json, const Json& attributes, const Place& place) const {
+    Accessor positions(document_, document_.required(attributes, "POSITION", place), place + ".POSITION",
+                       Accessor::kFormOnly);
+    std::optional<gltf::Splats> splats = gltf::Splats::of(document_, json, positions.size(), place);
+    return {place,        Mode::points, std::move(positions), std::nullopt,      std::nullopt,
+            std::nullopt, {},           std::nullopt,         std::move(splats), {}};
   }
 
   void require(const Accessor& accessor, std::size_t least, std::size_t most, std::uint64_t size) const {
@@ -289,6 +287,15 @@ class Reader {
     return colour_of(light);
   }
 
+  static Eigen::Vector3d position(const Primitive& primitive, std::uint64_t n) {
+    if (primitive.splats) {
+      if (const std::optional<std::array<double, 3>> p = primitive.splats->centre(n))
+        return {(*p)[0], (*p)[1], (*p)[2]};
+    }
+    const std::array<double, 4> p = primitive.positions(n);
+    return {p[0], p[1], p[2]};
+  }
+
   void add(Primitive& primitive, const Eigen::Matrix4d& place) {
     const auto first = static_cast<std::uint32_t>(out_.records());
     const Eigen::Matrix3d linear = place.topLeftCorner<3, 3>();
@@ -301,8 +308,7 @@ class Reader {
     out_.set_attributes(coloured, false, primitive.normals.has_value());
     for (std::uint64_t n = 0; n < primitive.positions.size(); ++n) {
       if (primitive.splats && !add_opacity(*primitive.splats, n)) continue;
-      const std::array<double, 4> p = primitive.positions(n);
-      const Eigen::Vector3d at = (place * Eigen::Vector4d(p[0], p[1], p[2], 1.0)).head<3>();
+      const Eigen::Vector3d at = (place * position(primitive, n).homogeneous()).head<3>();
       if (primitive.normals) {
         const std::array<double, 4> v = (*primitive.normals)(n);
         const Eigen::Vector3d normal = of_normals * Eigen::Vector3d(v[0], v[1], v[2]);

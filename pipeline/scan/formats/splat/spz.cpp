@@ -50,14 +50,10 @@ double half_float(std::uint16_t bits) {
   return (bits & 0x8000U) != 0 ? -size : size;
 }
 
-double coordinate(const Header& header, const char* at) {
-  if (header.version == 1) return half_float(load<std::uint16_t>(at));
-  std::int32_t value = load<std::uint8_t>(at) | load<std::uint8_t>(at + 1) << 8 | load<std::int8_t>(at + 2) * 65536;
-  return std::ldexp(value, -header.fraction_bits);
-}
-
 /// The logarithm of a length is kept in sixteenths from -10 on.
 double axis(std::uint8_t stored) { return std::exp(stored / 16.0 - 10.0); }
+
+std::uint8_t byte(const std::string& bytes, std::size_t at) { return static_cast<std::uint8_t>(bytes[at]); }
 
 /// What the file keeps of f_dc, in steps of its own.
 std::uint8_t channel(std::uint8_t stored) {
@@ -73,7 +69,7 @@ bool is_spz(const ScanFile& file) {
          Inflater(file.bytes, Inflater::Wrapping::gzip).read(kMagic.size()) == kMagic;
 }
 
-void read_spz(const ScanFile& file, ScanWriter& out) {
+SpzSplats::SpzSplats(const ScanFile& file) {
   if (file.bytes.starts_with(kMagic)) {
     throw file.error("SPZ of version 4 or without its gzip stream", "SPZ of version 1 to 3, or the splats as PLY");
   }
@@ -93,38 +89,13 @@ void read_spz(const ScanFile& file, ScanWriter& out) {
     throw file.error(fmt::format("{} splats cannot be in {} packed bytes", header.splats, file.bytes.size()),
                      "a header that fits the file");
   }
+  version_ = header.version;
+  fraction_bits_ = header.fraction_bits;
   const auto count = static_cast<std::size_t>(header.splats);
-  const std::string places = next(count * place, "positions");
-  const std::string opacities = next(count, "opacities");
-  const std::string colours = next(count * 3, "colours");
-  const std::string axes = next(count * 3, "axes");
-  const auto byte = [](const std::string& bytes, std::size_t at) { return static_cast<std::uint8_t>(bytes[at]); };
-  const auto longest = [&](std::size_t i) {
-    return axis(std::max({byte(axes, 3 * i), byte(axes, 3 * i + 1), byte(axes, 3 * i + 2)}));
-  };
-  const auto opacity = [&](std::size_t i) { return byte(opacities, i) / 255.0; };
-
-  RawScan& scan = out.scan();
-  scan.format = fmt::format("SPZ {}", header.version);
-  scan.fields = {"x", "y", "z", "red", "green", "blue", "opacity"};
-  const int slot = out.want("opacity");
-  SplatSieve sieve;
-  const std::size_t every = std::max<std::size_t>(1, count / SplatSieve::kSample);
-  for (std::size_t i = 0; i < count; i += every) sieve.look_at(opacity(i), longest(i));
-  sieve.decide();
-  out.begin(count, true, false);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!sieve.keeps(opacity(i), longest(i))) {
-      out.add_invalid();
-      continue;
-    }
-    if (slot != ScanWriter::kUnwanted) out.set_field(slot, opacity(i));
-    const char* const p = places.data() + i * place;
-    out.add(
-        coordinate(header, p), coordinate(header, p + place / 3), coordinate(header, p + 2 * place / 3),
-        pack_rgba(channel(byte(colours, 3 * i)), channel(byte(colours, 3 * i + 1)), channel(byte(colours, 3 * i + 2))));
-  }
-  sieve.warn(scan);
+  places_ = next(count * place, "positions");
+  opacities_ = next(count, "opacities");
+  colours_ = next(count * 3, "colours");
+  axes_ = next(count * 3, "axes");
   // Turns and harmonics are not needed, but a stream that is whole has its checksum behind them.
   constexpr std::array<std::size_t, 5> kHarmonics = {0, 9, 24, 45, 72};
   for (std::size_t left = count * ((header.version == 3 ? 4 : 3) + kHarmonics[static_cast<std::size_t>(header.degree)]);
@@ -136,6 +107,47 @@ void read_spz(const ScanFile& file, ScanWriter& out) {
   }
   while (!in.read(1 << 20).empty()) file.throw_if_cancelled();  // extensions
   if (!in.whole()) throw file.error("the SPZ stream does not end whole, with its checksum", "an undamaged file");
+}
+
+double SpzSplats::coordinate(std::size_t i, std::size_t k) const {
+  if (version_ == 1) return half_float(load<std::uint16_t>(places_.data() + 6 * i + 2 * k));
+  const char* const at = places_.data() + 9 * i + 3 * k;
+  const std::int32_t value =
+      load<std::uint8_t>(at) | load<std::uint8_t>(at + 1) << 8 | load<std::int8_t>(at + 2) * 65536;
+  return std::ldexp(value, -fraction_bits_);
+}
+
+double SpzSplats::longest(std::size_t i) const {
+  return axis(std::max({byte(axes_, 3 * i), byte(axes_, 3 * i + 1), byte(axes_, 3 * i + 2)}));
+}
+
+double SpzSplats::opacity(std::size_t i) const { return byte(opacities_, i) / 255.0; }
+
+std::uint32_t SpzSplats::colour(std::size_t i) const {
+  return pack_rgba(channel(byte(colours_, 3 * i)), channel(byte(colours_, 3 * i + 1)),
+                   channel(byte(colours_, 3 * i + 2)));
+}
+
+void read_spz(const ScanFile& file, ScanWriter& out) {
+  const SpzSplats splats(file);
+  RawScan& scan = out.scan();
+  scan.format = fmt::format("SPZ {}", splats.version());
+  scan.fields = {"x", "y", "z", "red", "green", "blue", "opacity"};
+  const int slot = out.want("opacity");
+  SplatSieve sieve;
+  const std::size_t every = std::max<std::size_t>(1, splats.size() / SplatSieve::kSample);
+  for (std::size_t i = 0; i < splats.size(); i += every) sieve.look_at(splats.opacity(i), splats.longest(i));
+  sieve.decide();
+  out.begin(splats.size(), true, false);
+  for (std::size_t i = 0; i < splats.size(); ++i) {
+    if (!sieve.keeps(splats.opacity(i), splats.longest(i))) {
+      out.add_invalid();
+      continue;
+    }
+    if (slot != ScanWriter::kUnwanted) out.set_field(slot, splats.opacity(i));
+    out.add(splats.coordinate(i, 0), splats.coordinate(i, 1), splats.coordinate(i, 2), splats.colour(i));
+  }
+  sieve.warn(scan);
 }
 
 }  // namespace sparsha::pipeline

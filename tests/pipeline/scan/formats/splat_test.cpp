@@ -8,6 +8,7 @@
 #include <random>
 
 #include "pipeline/scan/formats/splat/splats.h"
+#include "tests/pipeline/scan/formats/gltf_files.h"
 #include "tests/support/deflated.h"
 #include "tests/support/scan_files.h"
 
@@ -140,6 +141,52 @@ TEST(Splats, EveryFormatGivesTheSameSurface) {
     for (const bool shares : {false, true})
       expect_sifted(read_scan_bytes(ply_file(some_splats(), binary, shares), "a.ply"), 1);
   }
+}
+
+/// The stream in a GLB whose accessors have no bytes.
+testing::gltf::Maker packed_gltf(const std::string& spz, std::size_t splats, const char* extension) {
+  testing::gltf::Maker maker;
+  const std::size_t view = maker.view(spz);
+  maker.root["accessors"] = {{{"componentType", testing::gltf::kFloat}, {"count", splats}, {"type", "VEC3"}}};
+  maker.root["extensionsRequired"] = {"KHR_gaussian_splatting", extension};
+  maker.mesh({{"attributes", {{"POSITION", 0}, {"KHR_gaussian_splatting:SCALE", 0}}},
+              {"mode", 0},
+              {"extensions", {{"KHR_gaussian_splatting", {{"extensions", {{extension, {{"bufferView", view}}}}}}}}}});
+  return maker;
+}
+
+TEST(Splats, AnSpzStreamInGltfIsTurnedIntoItsFrame) {
+  const std::vector<Splat> splats = some_splats();
+  for (const std::uint32_t version : {2U, 3U}) {
+    const std::string spz = gzip(spz_stream(splats, version, 1));
+    const RawScan alone = read_scan_bytes(spz, "a.spz");
+    for (const char* name : {"KHR_gaussian_splatting_compression_spz_2", "KHR_gaussian_splatting_compression_spz"}) {
+      testing::gltf::Maker maker = packed_gltf(spz, splats.size(), name);
+      maker.root["nodes"][0]["translation"] = {10, 20, 30};
+      const RawScan scan = read_scan_bytes(maker.glb(), "a.glb");
+      ASSERT_EQ(scan.points.size(), 41U);
+      EXPECT_EQ(scan.invalid, 2U);
+      EXPECT_EQ(scan.rgba, alone.rgba);
+      EXPECT_EQ(scan.warnings, alone.warnings);
+      // Left, up, front of right, up, back: half a turn about the upright.
+      EXPECT_EQ(scan.points[8], Eigen::Vector3d(10 - 1.0, 20 - 2.0, 30 - 1.0));
+    }
+  }
+}
+
+TEST(Splats, AnSpzStreamInGltfThatDoesNotFitIsToldWithItsPlace) {
+  const char* const name = "KHR_gaussian_splatting_compression_spz_2";
+  const std::vector<Splat> splats = some_splats();
+  const std::string spz = gzip(spz_stream(splats, 2));
+  expect_refused("a.glb", packed_gltf(spz, 1'000'000'000, name).glb(), "43 splats");
+  expect_refused("a.glb", packed_gltf(spz.substr(0, 100), 43, name).glb(), "meshes[0].primitives[0].SPZ");
+  testing::gltf::Maker maker = packed_gltf(spz, splats.size(), name);
+  nlohmann::json& primitive = maker.root["meshes"][0]["primitives"][0];
+  primitive["mode"] = 4;
+  expect_refused("a.glb", maker.glb(), "mode 0");
+  primitive["mode"] = 0;
+  primitive["extensions"]["KHR_gaussian_splatting"]["extensions"][name] = 7;
+  expect_refused("a.glb", maker.glb(), "no object");
 }
 
 TEST(Splats, OpacityIsAField) {
