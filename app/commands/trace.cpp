@@ -1,8 +1,6 @@
 // sparsha trace SCENE --hip path.csv --out trace.csv: a path of the hand in, proxy and force out, offline.
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -20,11 +18,9 @@
 #include "haptics/replay/around_trace.h"
 #include "haptics/replay/replay_trace.h"
 #include "haptics/replay/trace.h"
+#include "haptics/replay/traced_surface.h"
 #include "haptics/window/objects.h"
-#include "haptics/window/surface.h"
-#include "haptics/window/window.h"
 #include "scene/scene.h"
-#include "scene/window_lattice.h"
 
 namespace sparsha::app {
 
@@ -47,53 +43,19 @@ struct Arguments {
   std::string creases = "sharp";
 };
 
-std::shared_ptr<const haptics::MongeSurface> traced_surface(const scene::Scene& scene, const Arguments& arguments) {
-  const scene::SceneDescription& description = scene.description();
-  haptics::SurfaceOptions options;
-  options.effects.texture = !arguments.no_texture;
-  options.effects.friction = !arguments.no_friction;
-  options.tip_radius_m = 1e-3 * arguments.tip_radius_mm;
-  if (arguments.level < 0 && arguments.centre.empty()) {
-    return haptics::make_surface(description, scene.read_level(0), 0, 1.0, options);
-  }
-  const int level = std::max(arguments.level, 0);
-  const auto count = static_cast<int>(description.levels.size());
-  if (level >= count) {
-    throw usage_error(fmt::format("the scene has no level {}", level), fmt::format("0 to {}", count - 1));
-  }
-  if (!scene::has_cell(description.levels[static_cast<std::size_t>(level)])) {
-    throw usage_error(fmt::format("level {} is a single row of nodes, which cannot be touched", level),
-                      fmt::format("0 to {}", haptics::overview_level(description)));
-  }
-  Eigen::Vector2d centre_m = haptics::middle_of(description.levels[static_cast<std::size_t>(level)]);
-  if (!arguments.centre.empty()) centre_m = {arguments.centre[0], arguments.centre[1]};
-  const scene::Lattice& lattice = description.levels[static_cast<std::size_t>(level)];
-  haptics::WindowPlan plan;
-  scene::SceneDescription record = description;  // what a hand falls off is continued
-  record.config.haptics.beyond = scene::HapticsConfig::Beyond::continued;
-  if (centre_m.allFinite()) plan = haptics::plan_window(record, level, centre_m, scene::kDeskWorkspace_m);
-  if (plan.nx == 0 || plan.i0 >= lattice.nx || plan.j0 >= lattice.ny || plan.i0 + plan.nx <= 0 ||
-      plan.j0 + plan.ny <= 0) {
-    throw usage_error("the window around --centre holds nothing of the scene",
-                      fmt::format("about {:.6g} to {:.6g} and {:.6g} to {:.6g}", lattice.x_m(0),
-                                  lattice.x_m(lattice.nx - 1), lattice.y_m(0), lattice.y_m(lattice.ny - 1)));
-  }
-  plan.effects = options.effects;
-  plan.tip_radius_m = options.tip_radius_m;
-  return haptics::load_window(scene, plan, 0).surface;
+haptics::TracedPart part_of(const Arguments& arguments) {
+  haptics::TracedPart part;
+  part.level = arguments.level;
+  if (!arguments.centre.empty()) part.centre_m = {arguments.centre[0], arguments.centre[1]};
+  part.texture = !arguments.no_texture;
+  part.friction = !arguments.no_friction;
+  part.tip_radius_m = 1e-3 * arguments.tip_radius_mm;
+  return part;
 }
 
-void to_grid_frame(std::vector<haptics::HipSample>& path, const Arguments& arguments,
-                   const scene::SceneDescription& scene, const haptics::MongeSurface& surface) {
-  if (arguments.frame == "grid") return;
-  const Eigen::Matrix4d grid_from_scan = scene.scan_from_grid.inverse();
-  for (haptics::HipSample& sample : path) {
-    if (arguments.frame == "scan") {
-      sample.position_m = (grid_from_scan * sample.position_m.homogeneous()).head<3>();
-    } else {
-      sample.position_m = sample.position_m / surface.scale + surface.centre_m;
-    }
-  }
+haptics::HipFrame frame_of(const std::string& name) {
+  if (name == "scan") return haptics::HipFrame::scan;
+  return name == "device" ? haptics::HipFrame::device : haptics::HipFrame::grid;
 }
 
 bool traces_whole_object(const scene::Scene& scene, const Arguments& arguments) {
@@ -166,9 +128,9 @@ std::string doubt_of_heights(const scene::Scene& scene, int level) {
 
 haptics::TraceResult trace_path(const scene::Scene& scene, const Arguments& arguments,
                                 const scene::HapticsConfig& haptics, const haptics::SolverOptions& options) {
-  const auto surface = traced_surface(scene, arguments);
+  const auto surface = haptics::traced_surface(scene, part_of(arguments));
   std::vector<haptics::HipSample> path = haptics::read_hip_path(arguments.hip);
-  to_grid_frame(path, arguments, scene.description(), *surface);
+  haptics::to_grid_frame(path, frame_of(arguments.frame), scene.description(), *surface);
   return haptics::trace(*surface, path, haptics, options);
 }
 

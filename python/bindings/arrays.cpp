@@ -104,8 +104,8 @@ Integers whole_rows_of(const py::handle& given, const std::string& name, int col
   return result;
 }
 
-Eigen::Vector3d vector_of(const py::handle& given, const std::string& name) {
-  const Doubles row = rows_of(given, name, 0);
+Eigen::Vector3d vector_of(const py::handle& given, const std::string& name, Numbers numbers) {
+  const Doubles row = rows_of(given, name, 0, numbers);
   if (row.size() != 3) throw usage_error(fmt::format("{} has {} numbers", name, row.size()), "3");
   return {row.data()[0], row.data()[1], row.data()[2]};
 }

@@ -34,7 +34,8 @@ enum class Numbers : std::uint8_t { finite, any };
 [[nodiscard]] Integers whole_rows_of(const pybind11::handle& given, const std::string& name, int columns,
                                      std::int64_t low, std::int64_t high);
 
-[[nodiscard]] Eigen::Vector3d vector_of(const pybind11::handle& given, const std::string& name);
+[[nodiscard]] Eigen::Vector3d vector_of(const pybind11::handle& given, const std::string& name,
+                                        Numbers numbers = Numbers::finite);
 [[nodiscard]] Eigen::Matrix4d matrix_of(const pybind11::handle& given, const std::string& name);
 
 [[nodiscard]] pybind11::array_t<double> array_of(const Eigen::Vector3d& vector);

@@ -3,6 +3,7 @@
 
 #include "base/system.h"
 #include "python/bindings/cloud.hpp"
+#include "python/bindings/renderer.hpp"
 #include "python/bindings/running.hpp"
 #include "python/bindings/scene.hpp"
 
@@ -14,4 +15,5 @@ PYBIND11_MODULE(_core, module) {
   sparsha::python::translate_errors();
   sparsha::python::bind_cloud(module);
   sparsha::python::bind_scene(module);
+  sparsha::python::bind_renderer(module);
 }

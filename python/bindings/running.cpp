@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <string>
 #include <thread>
 #include <vector>
@@ -134,18 +135,39 @@ void run_without_lock(const py::object& listener, const std::function<void(Progr
   if (thrown) std::rethrow_exception(thrown);
 }
 
+namespace {
+
+void set_exception(const Error& error) {
+  const Place& place = error.place();
+  const py::object made = py::module_::import("sparsha._errors")
+                              .attr("of_core")(static_cast<int>(error.kind()), std::string(error.what()), place.file,
+                                               place.line, place.column, error.wrong(), error.expected());
+  PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(made.ptr())), made.ptr());
+}
+
+}  // namespace
+
+void raise(const std::exception_ptr& thrown) {
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const Error& error) {
+    set_exception(error);
+  } catch (const py::builtin_exception& exception) {
+    exception.set_error();
+  } catch (const std::bad_alloc&) {
+    PyErr_NoMemory();
+  } catch (const std::exception& exception) {
+    PyErr_SetString(PyExc_RuntimeError, exception.what());
+  }
+}
+
 void translate_errors() {
   py::register_exception_translator([](std::exception_ptr pointer) {
     if (!pointer) return;
     try {
       std::rethrow_exception(pointer);
     } catch (const Error& error) {
-      const Place& place = error.place();
-      const py::object made =
-          py::module_::import("sparsha._errors")
-              .attr("of_core")(static_cast<int>(error.kind()), std::string(error.what()), place.file, place.line,
-                               place.column, error.wrong(), error.expected());
-      PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(made.ptr())), made.ptr());
+      set_exception(error);
     }
   });
 }

@@ -4,6 +4,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <exception>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -25,6 +26,8 @@ auto run(const pybind11::object& listener, const Work& work) {
   return std::move(*result);
 }
 
+/// Sets Python's exception for one of the core's, where no binding of pybind11 does so.
+void raise(const std::exception_ptr& thrown);
 /// Makes exceptions of the package of what the core throws.
 void translate_errors();
 

@@ -6,9 +6,10 @@
 
 Lengths are metres, forces newtons, times seconds, unless a name says otherwise.
 """
-from ._core import Cloud, Scene, __version__, build, open, read
+from ._core import Cloud, Renderer, Scene, Trace, __version__, build, open, read
 from ._errors import DeviceError, Error, Failure, InputError, UsageError, Warning
 
 __all__ = [
-    "Cloud", "DeviceError", "Error", "Failure", "InputError", "Scene", "UsageError", "Warning", "build", "open", "read",
+    "Cloud", "DeviceError", "Error", "Failure", "InputError", "Renderer", "Scene", "Trace", "UsageError", "Warning",
+    "build", "open", "read",
 ]

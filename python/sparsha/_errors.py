@@ -43,4 +43,5 @@ _OF_KIND = {1: Failure, 2: UsageError, 3: InputError, 4: DeviceError}
 
 def of_core(kind, message, file, line, column, wrong, expected):
     """The exception for an error of the core; called by the module _core."""
+    message = message.removeprefix("error: ")
     return _OF_KIND.get(kind, Failure)(message, file or None, line or None, column or None, wrong, expected)

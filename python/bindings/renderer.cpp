@@ -1,0 +1,231 @@
+#include "python/bindings/renderer.hpp"
+
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "haptics/replay/around_trace.h"
+#include "haptics/window/objects.h"
+#include "python/bindings/arrays.hpp"
+#include "python/bindings/running.hpp"
+#include "python/bindings/settings.hpp"
+
+namespace sparsha::python {
+namespace py = pybind11;
+
+namespace {
+
+using Trace = haptics::TraceResult;
+
+/// Which of `names` a word is. Throws Error{usage}.
+std::size_t choice(const std::string& key, const std::string& word, const std::vector<std::string>& names) {
+  for (std::size_t n = 0; n < names.size(); ++n) {
+    if (names[n] == word) return n;
+  }
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  throw usage_error(key + " is '" + word + "'", "one of " + all);
+}
+
+void refuse_around(bool given, const char* what) {
+  if (given)
+    throw usage_error(std::string(what) + " is not there for whole objects", "around=False for the front view");
+}
+
+double checked(double value, const char* name, double low, double high) {
+  if (value >= low && value <= high) return value;
+  throw usage_error(fmt::format("{} is {}", name, value), fmt::format("{:g} to {:g}", low, high));
+}
+
+std::unique_ptr<Renderer> make_renderer(const py::object& given, std::optional<int> level, const py::object& centre,
+                                        bool texture, bool friction, double tip_radius_mm, const std::string& frame,
+                                        const std::optional<std::string>& solver, const std::string& creases,
+                                        std::optional<double> stiffness, std::optional<bool> around) {
+  auto renderer = std::make_unique<Renderer>();
+  renderer->scene = scene_of(given);
+  const scene::SceneDescription& description = renderer->scene->scene->description();
+  renderer->haptics = description.config.haptics;
+  if (solver) {
+    renderer->haptics.solver = choice("solver", *solver, {"exact", "paper"}) == 1 ? scene::HapticsConfig::Solver::paper
+                                                                                  : scene::HapticsConfig::Solver::exact;
+  }
+  if (stiffness) renderer->haptics.stiffness_n_per_m = checked(*stiffness, "stiffness", 0.0, 1e6);
+  if (choice("creases", creases, {"sharp", "rounded"}) == 1) renderer->options.shape = haptics::CellShape::rounded;
+  if (renderer->haptics.surface == scene::HapticsConfig::Surface::c1) renderer->options.shape = haptics::CellShape::c1;
+  constexpr haptics::HipFrame kFrames[] = {haptics::HipFrame::grid, haptics::HipFrame::scan, haptics::HipFrame::device};
+  renderer->frame = kFrames[choice("frame", frame, {"grid", "scan", "device"})];
+  renderer->grid_from_scan = description.scan_from_grid.inverse();
+  haptics::TracedPart part;
+  part.level = level.value_or(-1);
+  if (level && *level < 0) throw usage_error(fmt::format("level is {}", *level), "0 or more");
+  if (!centre.is_none()) {
+    const Doubles xy = rows_of(centre, "centre", 0);
+    if (xy.size() != 2) throw usage_error(fmt::format("centre has {} numbers", xy.size()), "2: x and y, grid frame");
+    part.centre_m = {xy.data()[0], xy.data()[1]};
+  }
+  part.texture = texture;
+  part.friction = friction;
+  part.tip_radius_m = 1e-3 * checked(tip_radius_mm, "tip_radius_mm", 0.0, 2.0);
+  const bool scans = renderer->frame == haptics::HipFrame::scan;
+  if (around.value_or(scans && description.charts != nullptr)) {
+    if (!description.charts) throw usage_error("the scene has no whole object", "a scene built with a block `around`");
+    if (!scans) throw usage_error("a whole object is touched in the frame of its scans", "frame='scan'");
+    refuse_around(renderer->haptics.solver == scene::HapticsConfig::Solver::paper, "the paper's solver");
+    refuse_around(level || part.centre_m, "a window (level, centre)");
+    refuse_around(part.tip_radius_m > 0.0, "tip_radius_mm");
+    refuse_around(!texture, "texture=False");
+    const Eigen::Matrix3d turn = description.scan_from_grid.topLeftCorner<3, 3>();
+    renderer->force_from_grid = turn / std::cbrt(std::abs(turn.determinant()));
+    const py::gil_scoped_release release;
+    renderer->object = haptics::make_object_surface(
+        *description.charts, haptics::around_friction(description, friction), description.charts);
+    return renderer;
+  }
+  const py::gil_scoped_release release;
+  renderer->surface = haptics::traced_surface(*renderer->scene->scene, part);
+  return renderer;
+}
+
+std::vector<haptics::HipSample> samples_of(const py::object& path, const py::object& time, double rate_hz) {
+  const Doubles rows = rows_of(path, "path", 3, Numbers::any);
+  checked(rate_hz, "rate", 1e-3, 1e6);
+  std::optional<Doubles> times;
+  if (!time.is_none()) {
+    times = rows_of(time, "time", 0, Numbers::any);
+    if (times->size() != rows.shape(0)) {
+      throw usage_error(fmt::format("time has {} rows", times->size()), fmt::format("{}, as path", rows.shape(0)));
+    }
+  }
+  std::vector<haptics::HipSample> samples(static_cast<std::size_t>(rows.shape(0)));
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    samples[n].t_s = times ? times->data()[n] : static_cast<double>(n) / rate_hz;
+    samples[n].position_m = Eigen::Map<const Eigen::Vector3d>(rows.data() + 3 * n);
+  }
+  return samples;
+}
+
+std::shared_ptr<Trace> trace(const Renderer& renderer, const py::object& path, const py::object& time, double rate_hz) {
+  std::vector<haptics::HipSample> samples = samples_of(path, time, rate_hz);
+  const py::gil_scoped_release release;
+  const scene::SceneDescription& description = renderer.scene->scene->description();
+  if (renderer.object) {
+    return std::make_shared<Trace>(haptics::trace_around(*renderer.object, samples, description.scan_from_grid,
+                                                         renderer.haptics, renderer.options));
+  }
+  haptics::to_grid_frame(samples, renderer.frame, description, *renderer.surface);
+  return std::make_shared<Trace>(haptics::trace(*renderer.surface, samples, renderer.haptics, renderer.options));
+}
+
+constexpr auto kRow = static_cast<py::ssize_t>(sizeof(haptics::TraceRow));
+
+py::array vectors(const py::object& self, Eigen::Vector3d haptics::TraceRow::*member) {
+  const auto& rows = self.cast<const Trace&>().rows;
+  const double* const first = rows.empty() ? nullptr : (rows.front().*member).data();
+  return view(first, {static_cast<py::ssize_t>(rows.size()), 3}, {kRow, sizeof(double)}, self);
+}
+
+template <typename Value>
+py::array column(const py::object& self, Value haptics::TraceRow::*member) {
+  const auto& rows = self.cast<const Trace&>().rows;
+  return view(rows.empty() ? nullptr : &(rows.front().*member), {static_cast<py::ssize_t>(rows.size())}, {kRow}, self);
+}
+
+py::dict summary(const Trace& trace) {
+  const haptics::TraceSummary& s = trace.summary;
+  py::dict told;
+  told["updates"] = s.updates;
+  told["contacts"] = s.contacts;
+  told["below_surface"] = s.below_surface;
+  told["not_a_number"] = s.not_a_number;
+  told["unfinished"] = s.unfinished;
+  told["ns_median"] = s.ns_p50;
+  told["ns_p99"] = s.ns_p99;
+  told["ns_max"] = s.ns_max;
+  told["residual_cells_p99"] = s.residual_cells_p99;
+  told["residual_cells_max"] = s.residual_cells_max;
+  if (s.around) {
+    told["sheets_touched"] = s.around->touched;
+    told["hand_overs"] = s.around->hand_overs;
+    told["edges"] = s.around->edges;
+    told["releases"] = s.around->releases;
+  }
+  return told;
+}
+
+void bind_trace(py::module_& module) {
+  using Row = haptics::TraceRow;
+  py::class_<Trace, std::shared_ptr<Trace>> trace(module, "Trace",
+                                                  R"(What a path of the hand was rendered to, row by row.
+
+Arrays are read-only views. Places are metres in the grid frame, of a whole object in the scan frame; forces newtons.)");
+  const auto vector_column = [&](const char* name, Eigen::Vector3d Row::*member, const char* text) {
+    trace.def_property_readonly(
+        name, [member](const py::object& self) { return vectors(self, member); }, text);
+  };
+  vector_column("hip", &Row::hip_m, "(n, 3) float64: the hand.");
+  vector_column("proxy", &Row::proxy_m, "(n, 3) float64: where it is held; the hand itself where it is free.");
+  vector_column("force", &Row::force_n, "(n, 3) float64: on the hand; zero where it is free.");
+  trace.def("__len__", [](const Trace& t) { return t.rows.size(); })
+      .def_property_readonly(
+          "time", [](const py::object& self) { return column(self, &Row::t_s); }, "(n,) float64, seconds.")
+      .def_property_readonly(
+          "contact", [](const py::object& self) { return column(self, &Row::contact); }, "(n,) bool.")
+      .def_property_readonly(
+          "tick_ns", [](const py::object& self) { return column(self, &Row::tick_ns); },
+          "(n,) float64: what the tick took, nanoseconds.")
+      .def_property_readonly(
+          "sheet", [](const py::object& self) { return column(self, &Row::sheet); },
+          "(n,) int64: the sheet of a whole object that the proxy lies on; -1: none.")
+      .def_property_readonly("summary", &summary, "Counts, times and residuals of all rows, as a dict.")
+      .def(
+          "save",
+          [](const Trace& t, const py::object& file) {
+            const std::string path = paths_of(file, "file").at(0);
+            const py::gil_scoped_release release;
+            haptics::write_trace(path, t);
+          },
+          py::arg("file"), "Writes trace.csv as `sparsha trace` does. Raises Failure, UsageError.");
+}
+
+}  // namespace
+
+void bind_renderer(py::module_& module) {
+  bind_trace(module);
+  py::class_<Renderer> renderer(module, "Renderer", R"(The force on a hand that touches a scene.
+
+Renderer(scene, *, level=None, centre=None, texture=True, friction=True, tip_radius_mm=0.0, frame="grid", solver=None,
+         creases="sharp", stiffness=None, around=None)
+
+level, centre: a window of that level around (x, y), metres of the grid frame; neither: all of level 0 at its own size.
+texture, friction: False leaves them out. tip_radius_mm: of the ball that touches, 0 to 2. frame: of places of the
+hand, "grid", "scan" or "device". solver: "exact", "paper" or None, the scene's. creases: "sharp" or "rounded".
+stiffness: N/m of the device, None: the scene's. around: touch the whole object (frame="scan"); None: where there is
+one. Without governor, effects and the limits of a device: the force is stiffness times the way from hand to proxy.
+
+Raises UsageError. A Renderer is for one thread at a time; several of them share a scene.)");
+  renderer
+      .def(py::init(&make_renderer), py::arg("scene"), py::kw_only(), py::arg("level") = py::none(),
+           py::arg("centre") = py::none(), py::arg("texture") = true, py::arg("friction") = true,
+           py::arg("tip_radius_mm") = 0.0, py::arg("frame") = "grid", py::arg("solver") = py::none(),
+           py::arg("creases") = "sharp", py::arg("stiffness") = py::none(), py::arg("around") = py::none())
+      .def("trace", &trace, py::arg("path"), py::kw_only(), py::arg("time") = py::none(), py::arg("rate") = 1000.0,
+           R"(Renders a whole path from its beginning, as `sparsha trace` does; step() goes on where it was.
+
+path: (n, 3) metres; rows that are not numbers are rendered as they stand. time: (n,) seconds; None: n / rate, hertz.
+Returns a Trace. The interpreter's lock is released. Raises TypeError, UsageError.)")
+      .def("reset", &Renderer::reset, "The next step() starts the proxy anew.")
+      .def_readonly("contact", &Renderer::contact, "Whether the last step() touched.")
+      .def_property_readonly(
+          "scale", [](const Renderer& r) { return r.surface ? r.surface->scale : 1.0; }, "Device metres a grid metre.");
+  add_step(renderer);
+}
+
+}  // namespace sparsha::python
