@@ -139,8 +139,8 @@ std::vector<float> distances_to_surface(const scene::DepthGrid& grid, const std:
 }
 
 /// Mean distance of the sampled points that lie nearest to each node.
-std::vector<float> error_map(const scene::Lattice& lattice, const std::vector<Place>& sample,
-                             const std::vector<float>& signed_m) {
+NodeErrors error_map(const scene::Lattice& lattice, const std::vector<Place>& sample,
+                     const std::vector<float>& signed_m) {
   std::vector<std::pair<std::size_t, std::size_t>> hits;  // node and place in the sample
   hits.reserve(sample.size());
   for (std::size_t k = 0; k < sample.size(); ++k) {
@@ -150,15 +150,21 @@ std::vector<float> error_map(const scene::Lattice& lattice, const std::vector<Pl
     hits.emplace_back(lattice.index(static_cast<int>(i), static_cast<int>(j)), k);
   }
   std::sort(hits.begin(), hits.end());
-  std::vector<float> error(lattice.count(), scene::kUnknownHeight);
+  NodeErrors errors;
   std::size_t here = 0;
   for (std::size_t h = 0; h < hits.size(); ++h) {
     const auto [n, k] = hits[h];
-    here = h > 0 && hits[h - 1].first == n ? here + 1 : 1;
     const float distance = std::abs(signed_m[k]);
-    error[n] = here == 1 ? distance : error[n] + (distance - error[n]) / static_cast<float>(here);
+    if (h > 0 && hits[h - 1].first == n) {
+      float& mean = errors.error_m.back();
+      mean = mean + (distance - mean) / static_cast<float>(++here);
+      continue;
+    }
+    here = 1;
+    errors.node.push_back(n);
+    errors.error_m.push_back(distance);
   }
-  return error;
+  return errors;
 }
 
 /// A sample of the measured nodes (0 = all), ascending, and how many there are.
@@ -209,8 +215,7 @@ CheckResult compare(const CountedPoints& points, const SeenMesh* mesh, const sce
   if (!distances.empty() && std::isinf(distances.front()))
     distances.clear();
   else
-    result.node_error_m = error_map(lattice, sample, distances);
-  if (result.node_error_m.empty()) result.node_error_m.assign(lattice.count(), scene::kUnknownHeight);
+    result.node_errors = error_map(lattice, sample, distances);
   // However many places of a mesh are taken, there are more between them.
   const std::uint64_t population = mesh == nullptr ? points.size : std::numeric_limits<std::uint64_t>::max();
   result.cloud_to_surface = statistics_of(distances, population);

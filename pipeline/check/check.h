@@ -24,6 +24,13 @@ struct DistanceStatistics {
   double mean_ci95_m = 0;  ///< half width of the mean's 95 % confidence interval; 0 when every point was taken
 };
 
+/// Mean distance of the sampled points that lie nearest to a node, of the nodes that have any: memory for the sample,
+/// not for the lattice.
+struct NodeErrors {
+  std::vector<std::uint64_t> node;  ///< ascending
+  std::vector<float> error_m;       ///< of each of them
+};
+
 struct CheckResult {
   /// What the surface was held against.
   enum class Against : std::uint8_t { points, mesh, mesh_and_points };
@@ -33,8 +40,8 @@ struct CheckResult {
   DistanceStatistics cloud_to_surface;
   DistanceStatistics surface_to_cloud;  ///< each measured node to its nearest point, be it one of a triangle
   std::optional<double> completeness;
-  double tolerance_m = 0.0;         ///< max(spacing, 3 min(noise, point spacing / 2))
-  std::vector<float> node_error_m;  ///< per node, mean distance of its sampled points, NaN where there is none
+  double tolerance_m = 0.0;  ///< max(spacing, 3 min(noise, point spacing / 2))
+  NodeErrors node_errors;
   std::vector<std::uint64_t> cloud_histogram;  ///< 64 equal bins up to p99 * 1.5; what lies beyond is not counted
   double histogram_bin_m = 0.0;
   std::vector<std::uint64_t> surface_histogram;  ///< of surface_to_cloud, in bins of surface_histogram_bin_m

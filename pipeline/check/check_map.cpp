@@ -41,7 +41,7 @@ class Prefix {
 
 std::shared_ptr<const scene::CheckMap> check_map_of(const scene::DepthGrid& grid, const CheckResult& check) {
   const scene::Lattice& fine = grid.lattice;
-  if (check.cloud_to_surface.samples == 0 || check.node_error_m.size() != fine.count()) return nullptr;
+  if (check.cloud_to_surface.samples == 0) return nullptr;
   const int factor =
       std::max(1, (std::max(fine.nx, fine.ny) + scene::CheckMap::kMostNodes - 1) / scene::CheckMap::kMostNodes);
   auto map = std::make_shared<scene::CheckMap>();
@@ -55,16 +55,19 @@ std::shared_ptr<const scene::CheckMap> check_map_of(const scene::DepthGrid& grid
 
   Prefix sums(lattice.nx, lattice.ny), counts(lattice.nx, lattice.ny);
   std::vector<std::uint8_t> known(lattice.count(), 0);
-  double judged = 0.0;
   for (int j = 0; j < fine.ny; ++j)
     for (int i = 0; i < fine.nx; ++i) {
-      const std::size_t n = fine.index(i, j);
-      if (grid.state[n] != scene::NodeState::unknown) known[lattice.index(i / factor, j / factor)] = 1;
-      if (std::isnan(check.node_error_m[n])) continue;
-      sums.value(i / factor, j / factor) += static_cast<double>(check.node_error_m[n]);
-      counts.value(i / factor, j / factor) += 1.0;
-      ++judged;
+      if (grid.state[fine.index(i, j)] == scene::NodeState::unknown) continue;
+      known[lattice.index(i / factor, j / factor)] = 1;
     }
+  const NodeErrors& errors = check.node_errors;
+  const auto judged = static_cast<double>(errors.node.size());
+  for (std::size_t k = 0; k < errors.node.size(); ++k) {
+    const auto nx = static_cast<std::uint64_t>(fine.nx);
+    const int i = static_cast<int>(errors.node[k] % nx) / factor, j = static_cast<int>(errors.node[k] / nx) / factor;
+    sums.value(i, j) += static_cast<double>(errors.error_m[k]);
+    counts.value(i, j) += 1.0;
+  }
   sums.integrate();
   counts.integrate();
   const double places = static_cast<double>(std::count(known.begin(), known.end(), 1));

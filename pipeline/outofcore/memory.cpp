@@ -27,6 +27,9 @@ constexpr std::uint64_t kMoved = 12;
 constexpr std::uint64_t kFace = 56;
 constexpr std::uint64_t kTrialFace = 36;  // more, while views of a mesh are tried
 
+// Bytes a sampled node of which the cross-check keeps the error until the report is written.
+constexpr double kNodeError = 12.0;
+
 // Bytes an item of a cross-check's sample, while it is drawn or measured.
 constexpr std::uint64_t kSampledPoint = 48;
 constexpr std::uint64_t kSampledNode = 32;
@@ -37,12 +40,20 @@ constexpr double kColourSums = 40.0;
 constexpr double kIntensitySums = 16.0;
 constexpr double kFillScratch = 5.0;
 constexpr double kCheckScratch = 6.5;
-constexpr double kErrorMap = 4.0;
 constexpr double kLayer = 4.0;
-constexpr double kTextureScratch = 4.0;
+constexpr double kOpenCvScratch = 12.0;
 constexpr double kFrictionScratch = 20.0;
 constexpr double kAllLevels = 4.0 / 3.0;
 constexpr double kPictures = 1.0;
+
+double errors_per_node(const scene::CheckConfig& check, const scene::Lattice& lattice) {
+  const double share = static_cast<double>(check.samples) / static_cast<double>(lattice.count());
+  return check.samples > 0 ? kNodeError * std::min(1.0, share) : kNodeError;
+}
+
+double texture_scratch(const scene::TextureConfig& texture) {
+  return texture.method == scene::TextureConfig::Method::opencv ? kOpenCvScratch : 0.0;
+}
 
 bool sorts_into_cells(const scene::FilterConfig& filter) {
   return std::holds_alternative<scene::RadiusOutlierConfig>(filter) ||
@@ -110,11 +121,11 @@ std::uint64_t bytes_of_nodes(const scene::Config& config, bool grid_only, bool c
   double most = held + (colour ? kColourSums : 0.0) + (intensity ? kIntensitySums : 0.0);
   if (!grid_only) {
     if (config.fill) most = std::max(most, held + kFillScratch);
-    const double errors = config.check ? kErrorMap : 0.0;
+    const double errors = config.check ? errors_per_node(*config.check, lattice) : 0.0;
     if (config.check) most = std::max(most, held + kCheckScratch);
     if (config.texture) {
       held += kLayer;
-      most = std::max(most, held + errors + kTextureScratch);
+      most = std::max(most, held + errors + texture_scratch(*config.texture));
       if (config.friction && config.friction->law != scene::FrictionConfig::Law::constant) {
         most = std::max(most, held + errors + kFrictionScratch);
         held += config.friction->law == scene::FrictionConfig::Law::paper ? 3 * kLayer : kLayer;

@@ -38,7 +38,7 @@ struct TiledProjection::Piece {
 };
 
 OrientedPoints TiledProjection::orient(const PointRecords& records, ThreadPool& pool) const {
-  return orient_points(raw_points(records), cloud_.origin_m, scan_to_grid_, plan_.origin_m, pool);
+  return orient_points(raw_points(records), cloud_.origin_m, scan_to_grid_, plan_.origin_m, pool, &memory_);
 }
 
 TiledProjection::TiledProjection(CloudOnDisk cloud, const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& grid,

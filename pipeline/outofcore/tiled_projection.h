@@ -66,6 +66,7 @@ class TiledProjection {
   class OutliersOfBuckets;
   [[nodiscard]] OrientedPoints orient(const PointRecords& records, ThreadPool& pool) const;
 
+  mutable MemoryStore memory_;  ///< of pieces
   CloudOnDisk cloud_;
   Eigen::Matrix4d scan_to_grid_;
   ProjectionPlan plan_;

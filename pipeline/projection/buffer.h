@@ -25,12 +25,13 @@ class MemoryStore {
     for (const auto& [memory, bytes] : kept_) std::free(memory);
   }
 
-  /// Memory of at least `bytes` and its true size, or null when none is kept.
+  /// Memory of at least `bytes`, and at most twice as many, and its true size; or null when none is kept.
   [[nodiscard]] std::pair<void*, std::size_t> take(std::size_t bytes) noexcept {
     const std::lock_guard lock(mutex_);
     auto best = kept_.end();
     for (auto it = kept_.begin(); it != kept_.end(); ++it) {
-      if (it->second >= bytes && (best == kept_.end() || it->second < best->second)) best = it;
+      if (it->second < bytes || it->second / 2 > bytes) continue;
+      if (best == kept_.end() || it->second < best->second) best = it;
     }
     if (best == kept_.end()) return {nullptr, 0};
     const std::pair<void*, std::size_t> found = *best;
@@ -72,10 +73,16 @@ template <typename T>
 [[nodiscard]] Buffer<T> make_buffer(std::size_t count, MemoryStore* store = nullptr) {
   static_assert(std::is_trivially_copyable_v<T>);
   const std::size_t bytes = count * sizeof(T);
+  constexpr std::size_t kLeastKept = std::size_t{1} << 16U;
   if (bytes < 2 * system::kLargePageBytes) {
+    const bool keep = store != nullptr && bytes >= kLeastKept;
+    if (keep) {
+      const auto [kept, size] = store->take(bytes);
+      if (kept != nullptr) return Buffer<T>(static_cast<T*>(kept), FreeMemory{store, size});
+    }
     void* memory = std::malloc(bytes > 0 ? bytes : 1);
     if (memory == nullptr) throw std::bad_alloc();
-    return Buffer<T>(static_cast<T*>(memory));
+    return keep ? Buffer<T>(static_cast<T*>(memory), FreeMemory{store, bytes}) : Buffer<T>(static_cast<T*>(memory));
   }
   const std::size_t whole = (bytes + system::kLargePageBytes - 1) / system::kLargePageBytes * system::kLargePageBytes;
   if (store != nullptr) {

@@ -55,6 +55,26 @@ Field reduce(const scene::Lattice& lattice, const Value& value) {
   return field;
 }
 
+/// Means of the errors of the nodes of each pixel.
+Field reduce(const scene::Lattice& lattice, const NodeErrors& errors) {
+  const int factor = nodes_per_pixel(lattice);
+  Field field((lattice.nx + factor - 1) / factor, (lattice.ny + factor - 1) / factor);
+  std::vector<double> sum(field.values.size());
+  std::vector<int> count(field.values.size());
+  const auto nx = static_cast<std::uint64_t>(lattice.nx);
+  for (std::size_t k = 0; k < errors.node.size(); ++k) {
+    const int i = static_cast<int>(errors.node[k] % nx), j = static_cast<int>(errors.node[k] / nx);
+    const int row = (lattice.ny - 1 - j) / factor;
+    const auto pixel =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(field.width) + static_cast<std::size_t>(i / factor);
+    sum[pixel] += errors.error_m[k];
+    ++count[pixel];
+  }
+  for (std::size_t n = 0; n < sum.size(); ++n)
+    if (count[n] > 0) field.values[n] = static_cast<float>(sum[n] / count[n]);
+  return field;
+}
+
 /// Value below which `fraction` of the known pixels lie, from a regular sample of them: it ends a legend, no more.
 double quantile(const Field& field, double fraction) {
   std::vector<float> known;
@@ -205,7 +225,7 @@ Picture error(const Field& heights, const scene::Lattice& lattice, const CheckRe
   picture.title = "Error";
   picture.map = ColourMap::error;
   picture.unit = "mm";
-  Field field = reduce(lattice, [&](std::size_t n) { return check.node_error_m[n]; });
+  Field field = reduce(lattice, check.node_errors);
   const auto sampled = static_cast<double>(
       std::count_if(field.values.begin(), field.values.end(), [](float v) { return !std::isnan(v); }));
   if (sampled > 0) {
@@ -246,8 +266,7 @@ std::vector<Picture> make_pictures(const scene::Layers& base, const scene::Scene
   if (!base.envelope_m.empty()) makers.emplace_back([&] { return texture(base); });
   if (scene.config.friction) makers.emplace_back([&] { return friction(base, scene); });
   makers.emplace_back([&] { return coverage(base.grid, report); });
-  if (report.check && report.check->node_error_m.size() == lattice.count() &&
-      report.check->cloud_to_surface.samples > 0)
+  if (report.check && report.check->cloud_to_surface.samples > 0)
     makers.emplace_back([&] { return error(heights, lattice, *report.check); });
   if (has_filter_picture(report)) makers.emplace_back([&] { return filter_picture(scene, report); });
   std::vector<Picture> pictures(makers.size());

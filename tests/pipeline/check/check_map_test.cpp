@@ -19,7 +19,6 @@ TEST(CheckMap, IsTheMeanErrorOfItsSurroundingsAndEmptyOffTheSurface) {
   const scene::Lattice lattice = lattice_of(90, 70, 0.001);
   scene::DepthGrid grid = grid_of(lattice, [](double, double) { return 0.0; });
   CheckResult check;
-  check.node_error_m.assign(lattice.count(), scene::kUnknownHeight);
   std::mt19937 random(5);
   for (int j = 0; j < lattice.ny; ++j)
     for (int i = 0; i < lattice.nx; ++i) {
@@ -28,7 +27,8 @@ TEST(CheckMap, IsTheMeanErrorOfItsSurroundingsAndEmptyOffTheSurface) {
         grid.state[n] = scene::NodeState::unknown;
         grid.height_m[n] = scene::kUnknownHeight;
       } else if (random() % 3 == 0) {
-        check.node_error_m[n] = i < 45 ? 1e-4F : 2e-4F;
+        check.node_errors.node.push_back(n);
+        check.node_errors.error_m.push_back(i < 45 ? 1e-4F : 2e-4F);
         ++check.cloud_to_surface.samples;
       }
     }
@@ -56,9 +56,11 @@ TEST(CheckMap, OfALargeGridIsCoarseAndLiesWhereTheGridLies) {
   const scene::Lattice lattice = lattice_of(1301, 700, 0.001);
   const scene::DepthGrid grid = grid_of(lattice, [](double, double) { return 0.0; });
   CheckResult check;
-  check.node_error_m.resize(lattice.count());
   for (int j = 0; j < lattice.ny; ++j)
-    for (int i = 0; i < lattice.nx; ++i) check.node_error_m[lattice.index(i, j)] = static_cast<float>(1e-6 * i);
+    for (int i = 0; i < lattice.nx; ++i) {
+      check.node_errors.node.push_back(lattice.index(i, j));
+      check.node_errors.error_m.push_back(static_cast<float>(1e-6 * i));
+    }
   check.cloud_to_surface.samples = lattice.count();
   const auto map = check_map_of(grid, check);
   ASSERT_TRUE(map);

@@ -69,8 +69,8 @@ Report example_report() {
   check.surface_to_cloud = {5000, 4e-4, 5e-4, 4e-4, 1e-4, 8e-4, 1e-3, 2e-3, 2e-6, 2e-6};
   check.completeness = 0.97;
   check.tolerance_m = 0.001;
-  check.node_error_m.assign(120 * 90, scene::kUnknownHeight);
-  for (std::size_t n = 0; n < check.node_error_m.size(); n += 7) check.node_error_m[n] = 1e-4F;
+  for (std::size_t n = 0; n < 120 * 90; n += 7) check.node_errors.node.push_back(n);
+  check.node_errors.error_m.assign(check.node_errors.node.size(), 1e-4F);
   check.cloud_histogram.assign(64, 70);
   check.histogram_bin_m = 1e-5;
   check.surface_histogram.assign(64, 75);
