@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/smooth_step.h"
+#include "haptics/governor/clamped.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -51,9 +52,7 @@ constexpr double kDecay = 0.8;  // of a swing's size in that time
 constexpr double kAxis_s = 0.3;
 constexpr double kDeadSteps = 0.4;  // encoder steps in the longest window that are no velocity
 constexpr double kSideDamping_n_s_per_m = 1.0;
-constexpr double kMostSideShare = 0.5;      // of the force
-constexpr double kPlay = 1.05;              // encoder steps that are flicker
-constexpr double kCredit_n_s_per_m = 0.25;  // damping that every hand has
+constexpr double kMostSideShare = 0.5;  // of the force
 
 constexpr double kUnbraked_j = 0.1e-3;   // from an undeclared delay, if there is one
 constexpr double kBraked_j = 0.5e-3;     // by the whole brake
@@ -63,11 +62,6 @@ constexpr double kBounces_s = 1.0;  // a hand that bounces comes back sooner
 
 /// NaN becomes zero.
 double between_zero_and(double most, double value) noexcept { return value > 0.0 ? std::min(value, most) : 0.0; }
-
-Vector3d clamped(const Vector3d& force_n, double most_n) noexcept {
-  const double magnitude = force_n.norm();
-  return magnitude > most_n ? Vector3d(force_n * (most_n / magnitude)) : force_n;
-}
 
 }  // namespace
 
@@ -325,56 +319,6 @@ Vector3d Governor::braked(const Vector3d& force_n, double stiffness_n_per_m) con
   return force_n * std::max(0.0, 1.0 - less_n / magnitude_n);
 }
 
-/// As observe_energy(), of a loop that is later. Of damping only what goes along the force counts: a stroke along the
-/// stone would earn far more than its rise and fall.
-void Governor::observe_late_loop(const GovernorInput& input, const Vector3d& held_n, double stored_j) noexcept {
-  const double held = held_n.norm();
-  const double squared_m2 = displacement_m_.squaredNorm();
-  const double along_m = held > 0.0 ? displacement_m_.dot(held_n) / held : 0.0;
-  const double credit_j = squared_m2 > 0.0 ? damped_j_ * along_m * along_m / squared_m2 : 0.0;
-  const double late = std::min(std::round(late_s() / pace_s_), static_cast<double>(LateLoop::kMostTicks));
-  late_.observe(displacement_m_, credit_j + input.supplied_j, input.spring_energy_j, stored_j,
-                delay() + static_cast<std::size_t>(late));
-}
-
-/// The energy that the hand put in over the last interval, with the force that the device held then. The damping that
-/// every hand has is added, and moves within an encoder's step are left out: quantisation would make the observed
-/// energy of a hand at rest fall. Energy counts only as far as the spring stores it: friction does not return what it
-/// dissipates. What a guide has put into its springs counts as if the hand had, so that the hand may get it. Over a gap
-/// it is unknown which force was held when: a move outwards counts with the largest, one inwards with the least.
-void Governor::observe_energy(const GovernorInput& input) noexcept {
-  displacement_m_.setZero();
-  damped_j_ = 0.0;
-  if (has_last_) {
-    const bool gap = gap_s_ > 0.0;
-    Vector3d held_n = commanded_n_[delay()];
-    if (gap_n_.squaredNorm() > held_n.squaredNorm()) held_n = gap_n_;
-    const double held = held_n.norm();
-    displacement_m_ = input.position_m - observed_m_;
-    if (held > 0.0) {
-      const double along_m = displacement_m_.dot(held_n) / held;
-      displacement_m_ -= held_n * (std::clamp(along_m, -kPlay * step_m_, kPlay * step_m_) / held);
-    }
-    observed_m_ += displacement_m_;
-    // A damper takes no less over any way than over the even one from end to end.
-    damped_j_ = std::min(kCredit_n_s_per_m, limits_.least_damping_n_s_per_m) * displacement_m_.squaredNorm() /
-                std::max(gap_s_ + input.period_s, pace_s_);
-    double given_j = held_n.dot(displacement_m_);
-    if (gap && given_j < 0.0 && held > 0.0) given_j *= gap_least_n_ / held;
-    const double work_j = damped_j_ - given_j;
-    const double stored_j = std::max(0.0, input.spring_energy_j - last_spring_energy_j_);
-    energy_j_ = std::min(energy_j_ + std::min(work_j + input.supplied_j, stored_j), input.spring_energy_j);
-    if (late_s() > 0.0) observe_late_loop(input, held_n, stored_j);
-  } else {
-    observed_m_ = input.position_m;
-  }
-  has_last_ = true;
-  gap_s_ = 0.0;
-  gap_n_.setZero();
-  last_position_m_ = input.position_m;
-  last_spring_energy_j_ = input.spring_energy_j;
-}
-
 /// Growth beyond the slew limit is cut. Whatever lies between zero and the last force is a decrease and free.
 Vector3d Governor::slewed(const Vector3d& force_n, double period_s) const noexcept {
   const Vector3d& last = commanded_n_[0];
@@ -382,30 +326,6 @@ Vector3d Governor::slewed(const Vector3d& force_n, double period_s) const noexce
   const double share = squared > 0.0 ? std::clamp(force_n.dot(last) / squared, 0.0, 1.0) : 0.0;
   const Vector3d from = share * last;
   return from + clamped(force_n - from, limits_.slew_n_per_s * period_s);
-}
-
-/// No more than a spring of this stiffness with twice the observed energy has: passive() alone would let the whole
-/// force go on until the energy is used up, and end it within a tick.
-Vector3d Governor::tapered(const GovernorInput& input, const Vector3d& force_n) const noexcept {
-  constexpr double kTaper_n = 0.034;  // that it becomes less by in a tick, and what the hand's move explains twice
-  const double stiffness = input.stiffness_n_per_m;
-  if (!input.gave_way || !(stiffness > 0.0)) return force_n;
-  const double moved_n = stiffness * displacement_m_.norm();
-  const double stored_n = std::sqrt(4.0 * stiffness * std::max(0.0, energy_j_));
-  const double most_n = std::max(stored_n + 3.0 * moved_n, commanded_n_[0].norm() - kTaper_n - 2.0 * moved_n);
-  return clamped(force_n, std::max(0.0, most_n));
-}
-
-/// Takes from the force what would deliver more than the observed energy, the forces already on their way included, if
-/// the hand goes on as it moved last.
-Vector3d Governor::passive(const Vector3d& force_n) const noexcept {
-  const double outward_j = force_n.dot(displacement_m_);
-  if (outward_j <= 0.0) return force_n;
-  double balance_j = energy_j_ + damped_j_ + kOverdraft_j;
-  for (std::size_t k = 0; k < delay(); ++k)
-    balance_j += damped_j_ - std::max(0.0, commanded_n_[k].dot(displacement_m_));
-  if (balance_j >= 0.0) return force_n;
-  return force_n * std::max(0.0, 1.0 + balance_j / outward_j);
 }
 
 GovernorOutput Governor::command(const Vector3d& force_n, bool saturated, const Vector3d& effects_n) noexcept {
@@ -431,7 +351,7 @@ GovernorOutput Governor::update(const GovernorInput& input) noexcept {
   watch_late_loop();
   const Vector3d most = clamped(braked(damped(input), input.stiffness_n_per_m), limits_.max_force_n);
   const Vector3d grown = slewed(most, std::min(input.period_s, pace_s_));
-  const Vector3d safe = deliverable(passive(tapered(input, grown)), limits_.max_force_n);
+  const Vector3d safe = deliverable(passive(input, tapered(input, grown)), limits_.max_force_n);
   // Effects are not a spring's: a later loop moves them along the stone, and that alone is no energy of the surface.
   const double wished = input.force_n.norm();
   const double given = wished > 0.0 ? std::min(1.0, safe.norm() / wished) : 0.0;

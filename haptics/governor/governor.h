@@ -77,9 +77,9 @@ struct GovernorInput {
   double nominal_period_s = 0.001;  ///< of the servo's plan
   bool fresh = true;                ///< the position is new and finite
   bool contact = false;
-  /// Under this contact the surface has given way or another one has come: what the spring holds is not what the hand
-  /// has put in, and the force is to become less before that is used up.
-  bool gave_way = false;
+  /// The surface may give way under a contact, or another one come: what the spring holds is not what the hand has put
+  /// in, and the force is to become less before that is used up, and to come back as smoothly.
+  bool gives_way = false;
   bool guided = false;  ///< a guide adds to the force: energy is observed in free space too
 };
 
@@ -139,7 +139,12 @@ class Governor {
   void observe_late_loop(const GovernorInput& input, const Eigen::Vector3d& held_n, double stored_j) noexcept;
   [[nodiscard]] Eigen::Vector3d slewed(const Eigen::Vector3d& force_n, double period_s) const noexcept;
   [[nodiscard]] Eigen::Vector3d tapered(const GovernorInput& input, const Eigen::Vector3d& force_n) const noexcept;
-  [[nodiscard]] Eigen::Vector3d passive(const Eigen::Vector3d& force_n) const noexcept;
+  [[nodiscard]] Eigen::Vector3d passive(const GovernorInput& input, const Eigen::Vector3d& force_n) const noexcept;
+  [[nodiscard]] double balance_j() const noexcept;
+  struct Range {
+    double least_n, most_n;
+  };
+  [[nodiscard]] Range smooth_range(const GovernorInput& input) const noexcept;
   /// `effects_n`: of the force, what is felt besides the surface.
   [[nodiscard]] GovernorOutput command(const Eigen::Vector3d& force_n, bool saturated,
                                        const Eigen::Vector3d& effects_n = Eigen::Vector3d::Zero()) noexcept;

@@ -172,13 +172,10 @@ GovernorInput HapticRenderer::governor_input(const DeviceSample& sample, const E
   input.nominal_period_s = record_.nominal_period_s;
   input.fresh = sample.fresh;
   input.contact = found_.contact;
+  input.gives_way = window_.object != nullptr;
   felt_n_ = force_n;
   if (!fade_.active()) return input;
   felt_n_ = fade_.apply(force_n, hand_m_, stiffness_n_per_m_, step_s());
-  if (window_.object != nullptr) {
-    if (!found_.contact) fade_.reset_fades();
-    input.gave_way = fade_.has_faded();
-  }
   const double felt = felt_n_.norm();
   if (!(felt > 0.0 && stiffness_n_per_m_ > 0.0)) return input;
   input.force_n = felt_n_;

@@ -49,7 +49,6 @@ void SwapFade::fade(const Vector3d& old_n, const Vector3d& fresh_n, const Vector
   const double change_n = (fresh_n - old_n).norm();
   active_ = change_n > kNothing_n && std::isfinite(change_n) && stiffness_n_per_m > 0.0;
   if (!active_) return;
-  has_faded_ = true;
   const double old_length_n = old_n.norm();
   time_share_ = 0.0;
   duration_s_ = duration_s * std::min(1.0, change_n / kWhole_n);

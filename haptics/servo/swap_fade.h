@@ -27,10 +27,6 @@ class SwapFade {
   /// Until the hand has settled on the new surface; apply() changes nothing otherwise.
   [[nodiscard]] bool active() const noexcept { return watching_ || always_; }
 
-  /// Has anything faded since reset_fades()?
-  [[nodiscard]] bool has_faded() const noexcept { return has_faded_; }
-  void reset_fades() noexcept { has_faded_ = active_; }
-
   /// The force of this tick from the new surface's. One step of the fade.
   [[nodiscard]] Eigen::Vector3d apply(const Eigen::Vector3d& fresh_n, const Eigen::Vector3d& hand_m,
                                       double stiffness_n_per_m, double period_s) noexcept;
@@ -52,7 +48,6 @@ class SwapFade {
                            const Explained& explained) const noexcept;
 
   bool always_ = false;
-  bool has_faded_ = false;
   bool knows_ = false;     // the last tick's force
   bool watching_ = false;  // for jumps of a hand that settles
   bool active_ = false;
