@@ -31,8 +31,8 @@ function(sparsha_package component set)
   install(EXPORT ${set} NAMESPACE sparsha:: DESTINATION ${package} COMPONENT ${component})
 endfunction()
 
-# sparsha_headers(component): the headers that tools/rooms.json lists for it keep their paths from the root. What other
-# headers of the core include is checked there (tools/rooms.py --check).
+# sparsha_headers(component): the headers that tools/rooms.json lists for it. Those that others include go to include/sparsha,
+# what these stand on below its `detail`. What headers of the core include is checked there (tools/rooms.py --check).
 file(READ ${PROJECT_SOURCE_DIR}/tools/rooms.json rooms)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tools/rooms.json)
 function(sparsha_headers component)
@@ -43,7 +43,12 @@ function(sparsha_headers component)
     file(GLOB found RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${pattern})
     foreach(header ${found})
       get_filename_component(folder ${header} DIRECTORY)
-      install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${SPARSHA_INSTALL_INCLUDE}/${folder} COMPONENT ${component})
+      if(folder MATCHES "^(include/)?(sparsha.*)$")
+        set(folder ${CMAKE_INSTALL_INCLUDEDIR}/${CMAKE_MATCH_2})
+      else()
+        set(folder ${SPARSHA_INSTALL_INCLUDE}/${folder})
+      endif()
+      install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${folder} COMPONENT ${component})
     endforeach()
   endforeach()
 endfunction()
@@ -77,6 +82,5 @@ endif()
 if(TARGET sparsha_opencv_images)
   install(TARGETS sparsha_opencv_images LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/sparsha COMPONENT program)
 endif()
-install(FILES sparsha/device_plugin.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/sparsha COMPONENT program)
 # Read there when the prefix is /usr or /usr/local.
 install(FILES haptics/device/falcon/40-novint-falcon.rules DESTINATION lib/udev/rules.d COMPONENT program)

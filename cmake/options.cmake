@@ -16,9 +16,13 @@ if(SPARSHA_IS_TOP_LEVEL AND SPARSHA_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   endif()
 endif()
 
-# Headers keep their paths from the root: `#include "haptics/proxy/proxy.h"` in the tree and against the package.
+# Others include what is in include/sparsha; what these headers include keeps its path from the root, below `detail`.
+# That folder is searched, too: includes of versions before 0.1, such as "haptics/proxy/proxy.h", work until 0.2.
 include(GNUInstallDirs)
-set(SPARSHA_INSTALL_INCLUDE ${CMAKE_INSTALL_INCLUDEDIR}/sparsha)
+set(SPARSHA_INSTALL_INCLUDE ${CMAKE_INSTALL_INCLUDEDIR}/sparsha/detail)
+if(NOT SPARSHA_IS_TOP_LEVEL)
+  set(SPARSHA_GUESTS_INCLUDE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>)
+endif()
 
 add_library(sparsha_options INTERFACE)
 target_include_directories(sparsha_options INTERFACE ${PROJECT_SOURCE_DIR})
@@ -72,8 +76,8 @@ function(sparsha_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE $<BUILD_INTERFACE:sparsha_options> ${ARG_PRIVATE})
-  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
-    $<INSTALL_INTERFACE:${SPARSHA_INSTALL_INCLUDE}>)
+  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> ${SPARSHA_GUESTS_INCLUDE}
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}> $<INSTALL_INTERFACE:${SPARSHA_INSTALL_INCLUDE}>)
   target_compile_features(${name} PUBLIC cxx_std_20)
   if(COMMAND sparsha_precompiled)
     sparsha_precompiled(${name} sparsha_precompiled)

@@ -3,8 +3,8 @@
 #include <cstdio>
 #include <vector>
 
-#include "haptics/proxy/proxy.h"
-#include "haptics/surface/monge_surface.h"
+#include <sparsha/proxy.h>
+#include <sparsha/surface.h>
 
 int main() {
   using namespace sparsha;

@@ -5,8 +5,8 @@
 #include <thread>
 #include <vector>
 
-#include "haptics/device/simulated/simulated_device.h"
-#include "haptics/servo/servo.h"
+#include <sparsha/device.h>
+#include <sparsha/servo.h>
 
 int main() {
   using namespace sparsha;

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <thread>
 
-#include "haptics/device/device.h"
-#include "haptics/servo/servo.h"
+#include <sparsha/device.h>
+#include <sparsha/servo.h>
 using namespace sparsha::haptics;
 
 class FallingMass final : public Device {

@@ -6,8 +6,7 @@
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
-#include "sparsha/pcl/monge_projection.h"
-#include "sparsha/pcl/statistical_outlier_filter.h"
+#include <sparsha/pcl.h>
 
 int main() {
   // A ball of 50 mm radius, scanned with 0.1 mm noise, and some dust around it.

@@ -176,7 +176,7 @@ def named_files(tree, name, text):
     tops = "|".join(sorted(map(re.escape, tree.top)))
     text = re.sub(r"^[ \t]*#[ \t]*include\b.*", lambda line: " " * len(line.group()), text, flags=re.M)
     for match in re.finditer(rf"(?<![\w./-])(?:{tops})/[\w./-]*?[\w-]\.(?:h|cpp|py|sh|svg|cmake(?:\.in)?)\b", text):
-        exists = tree.find(match.group(), name) is not None
+        exists = any(tree.find(path, name) is not None for path in (match.group(), f"include/{match.group()}"))
         yield match.start(), "" if exists else f"{match.group()}: no such file"
     if name.endswith((".h", ".cpp")):
         yield from bare_names(tree.names | others, blank(text, [match.span() for match in STRING.finditer(text)]))

@@ -71,7 +71,7 @@ DECLARATION = re.compile(r"(?:struct|class|enum class) [\w:]+(?: : [\w:]+)?;|//.
 def foreign_namespaces(path):
     """A room's names are in the namespace of its name; names of other rooms are at most declared."""
     room = path.split("/")[0]
-    own = ["sparsha"] if room in ("base", "sparsha") else [f"sparsha::{room}"]
+    own = ["sparsha"] if room in ("base", "sparsha", "include") else [f"sparsha::{room}"]
     for match in NAMESPACE.finditer(open(path, encoding="utf-8").read()):
         name, body = match.groups()
         if any(name == space or name.startswith(space + "::") for space in own):

@@ -178,7 +178,7 @@ def made(root):
 
 
 def installed(name):
-    return any(fnmatch.fnmatch(name, pattern) for patterns in LIST["installed"].values() for pattern in patterns)
+    return any(fnmatch.fnmatch(path, pattern) for path in (name, f"include/{name}") for patterns in LIST["installed"].values() for pattern in patterns)
 
 
 def differences(root):

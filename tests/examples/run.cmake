@@ -15,18 +15,28 @@ run(${CMAKE_COMMAND} --install ${BUILD} --component pcl --prefix ${WORK}/both)
 run(${CMAKE_COMMAND} --install ${BUILD} --component haptics --prefix ${WORK}/both)
 
 # Nothing but Eigen and the standard library behind the headers.
-file(GLOB_RECURSE headers RELATIVE ${WORK}/prefix/include/sparsha ${WORK}/prefix/include/sparsha/*.h)
+file(GLOB public RELATIVE ${WORK}/prefix/include ${WORK}/prefix/include/sparsha/*.h)
+foreach(name version error scene surface proxy renderer device device_plugin servo)
+  list(APPEND expected sparsha/${name}.h)
+endforeach()
+list(SORT expected)
+if(NOT public STREQUAL expected)
+  message(FATAL_ERROR "the public headers are ${public}; expected ${expected}")
+endif()
+file(GLOB_RECURSE headers RELATIVE ${WORK}/prefix/include ${WORK}/prefix/include/*.h)
 list(LENGTH headers count)
 if(count LESS 20)
   message(FATAL_ERROR "only ${count} headers are installed")
 endif()
 foreach(header ${headers})
-  file(STRINGS ${WORK}/prefix/include/sparsha/${header} lines REGEX "^ *# *include *<")
+  file(STRINGS ${WORK}/prefix/include/${header} lines REGEX "^ *# *include *<")
   foreach(line ${lines})
     if(line MATCHES "<(yaml|tiff|openssl|fmt|spdlog|pcl|opencv|libusb|nlohmann)")
       message(FATAL_ERROR "${header}: ${line}")
     endif()
   endforeach()
+  # Those below `detail` by the names that they had in versions before.
+  string(REPLACE "sparsha/detail/" "" header ${header})
   list(APPEND includes "#include \"${header}\"")
 endforeach()
 
@@ -46,11 +56,26 @@ foreach(source ${sources})
   message(STATUS "${example}: ${output}")
 endforeach()
 
+# Beside the program, and without PCL's component, those examples remain that need none.
+run(${CMAKE_COMMAND} --install ${BUILD} --component program --prefix ${WORK}/prefix)
+run(${CMAKE_COMMAND} -S ${SOURCE}/examples -B ${WORK}/fewer -DCMAKE_PREFIX_PATH=${WORK}/prefix
+  -DCMAKE_CXX_COMPILER=${COMPILER} "-DCMAKE_CXX_FLAGS=${FLAGS}")
+run(${CMAKE_COMMAND} --build ${WORK}/fewer --target help)
+if(NOT output MATCHES "04_a_device_of_your_own" OR output MATCHES "05_from_a_pcl_cloud")
+  message(FATAL_ERROR "without PCL's component the examples are:\n${output}")
+endif()
+
 # The haptics component alone, all headers at once, as a user's prefix header might.
 list(JOIN includes "\n" includes)
 file(WRITE ${WORK}/headers/all.cpp "${includes}\n")
+foreach(header ${public})
+  cmake_path(GET header STEM name)
+  file(WRITE ${WORK}/headers/${name}.cpp "#include <${header}>\n")  # alone
+  list(APPEND alone ${name}.cpp)
+endforeach()
+list(JOIN alone " " alone)
 file(WRITE ${WORK}/headers/CMakeLists.txt "cmake_minimum_required(VERSION 3.20)\nproject(headers LANGUAGES CXX)\n"
-  "set(CMAKE_CXX_STANDARD 20)\nfind_package(Sparsha REQUIRED COMPONENTS haptics)\nadd_library(headers OBJECT all.cpp)\n"
+  "set(CMAKE_CXX_STANDARD 20)\nfind_package(Sparsha REQUIRED COMPONENTS haptics)\nadd_library(headers OBJECT all.cpp ${alone})\n"
   "target_link_libraries(headers PRIVATE sparsha::haptics)\n")
 run(${CMAKE_COMMAND} -S ${WORK}/headers -B ${WORK}/headers/build -DCMAKE_PREFIX_PATH=${WORK}/prefix
   -DCMAKE_CXX_COMPILER=${COMPILER} "-DCMAKE_CXX_FLAGS=${FLAGS}")
