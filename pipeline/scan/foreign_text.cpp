@@ -120,6 +120,22 @@ bool is_colmap_images(std::string_view text) {
          line.find('.') != std::string_view::npos;
 }
 
+bool is_colmap_visibility(std::string_view bytes) {
+  constexpr std::size_t kCount = 8, kLength = 4, kPicture = 4;
+  if (bytes.size() < kCount + kLength) return false;
+  const auto count = load<std::uint64_t>(bytes.data());
+  if (count == 0 || count > (bytes.size() - kCount) / kLength) return false;
+  std::size_t at = kCount;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    if (bytes.size() - at < kLength) return false;
+    const auto pictures = load<std::uint32_t>(bytes.data() + at);
+    at += kLength;
+    if (pictures > (bytes.size() - at) / kPicture) return false;
+    at += pictures * kPicture;
+  }
+  return at == bytes.size();
+}
+
 bool is_3ds(std::string_view bytes) {
   constexpr std::size_t kHeader = 6;
   if (bytes.size() < 2 * kHeader || !bytes.starts_with("MM")) return false;

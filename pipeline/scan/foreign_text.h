@@ -19,6 +19,9 @@ namespace sparsha::pipeline {
 /// Two lines a picture, the first with a number, a unit quaternion, three numbers, a number and a name: COLMAP's
 /// images.txt.
 [[nodiscard]] bool is_colmap_images(std::string_view text);
+/// A number of lists, and for each its length and as many numbers of pictures, to the file's end: COLMAP's list of
+/// which pictures show each point of a dense cloud (fused.ply.vis).
+[[nodiscard]] bool is_colmap_visibility(std::string_view bytes);
 /// A chunk 4D4D as long as the file, with a version or a mesh editor's chunk in it: 3DS.
 [[nodiscard]] bool is_3ds(std::string_view bytes);
 /// A list or an object of JSON, as far as its first characters tell.

@@ -228,6 +228,16 @@ TEST(ForeignFiles, OtherFilesOfReconstructionsAreNamed) {
   expect_named("# Image list with two lines of data per image:\n" + pictures, "COLMAP's list of pictures");
   expect_named("# Camera list with one line of data per camera:\n1 PINHOLE 100 100 1 1 50 50\n",
                "COLMAP's list of cameras", true);
+  std::string seen;
+  put(seen, std::uint64_t{3});
+  for (const std::uint32_t length : {2U, 0U, 3U}) {
+    put(seen, length);
+    for (std::uint32_t k = 0; k < length; ++k) put(seen, 7 * k);
+  }
+  expect_named(seen, "COLMAP's list of pictures that show each point");
+  const auto error = error_of_bytes("images.bin", std::string(100, '\1'));
+  ASSERT_TRUE(error);
+  EXPECT_THAT(error->wrong(), HasSubstr("images.bin"));
   expect_named("# Bundle file v0.3\n2 3\n500 0 0\n1 0 0\n0 1 0\n0 0 1\n", "a Bundler reconstruction", true);
   expect_named("NVM_V3\n\n2\nimg1.jpg 2000 1 0 0 0 0 0 0 0 0\n", "a VisualSFM reconstruction", true);
 }

@@ -40,7 +40,7 @@ void guess_attributes(TableColumns& columns, const std::vector<TableRow>& sample
   } else if (usual >= 6 && look_like_colours(sample, usual, 3)) {
     set_colour(columns, 3);
     if (usual == 7) columns.intensity = 6;
-    if (usual == 9 && look_like_normals(sample, usual, 6)) set_normals(columns, 6);
+    if (usual >= 9 && look_like_normals(sample, usual, 6)) set_normals(columns, 6);  // a measure may follow
   } else if (usual >= 7 && look_like_colours(sample, usual, 4)) {
     set_colour(columns, 4);
     columns.intensity = 3;

@@ -54,6 +54,10 @@ TEST(XyzReader, GuessesColumnsWithoutAHeader) {
   const ScanFolder folder;
   EXPECT_THAT(folder.read("a.xyz", "1 2 3 117 73 49\n1 2 4 0 255 7\n").rgba, ElementsAre(0xFF314975U, 0xFF07FF00U));
   EXPECT_TRUE(folder.read("n.xyz", "1 2 3 0 0 -1\n1 2 4 0.6 0 0.8\n").rgba.empty()) << "normals are no colours";
+  const RawScan measured = folder.read(
+      "m.xyz", "1 2 3 9 8 7 0 0 -1 12\n1 2 4 1 2 3 0.6 0 0.8 3\n1 2 5 1 2 3 0 1 0 4\n");  // normals, then a confidence
+  EXPECT_THAT(measured.fields, ElementsAre("x", "y", "z", "red", "green", "blue", "nx", "ny", "nz", "column 10"));
+  EXPECT_EQ(measured.rgba.size(), 3U);
   const RawScan pts = folder.read("a.pts", "2\r\n1 2 3 -1200 10 20 30\r\n1 2 4 17 1 2 3\r\n");
   EXPECT_THAT(pts.intensity, ElementsAre(-1200.0F, 17.0F));
   EXPECT_THAT(pts.rgba, ElementsAre(0xFF1E140AU, 0xFF030201U));
