@@ -6,6 +6,7 @@
 #include "python/bindings/renderer.hpp"
 #include "python/bindings/running.hpp"
 #include "python/bindings/scene.hpp"
+#include "python/bindings/stages.hpp"
 
 PYBIND11_MODULE(_core, module) {
   module.doc() = "Sparsha's core: clouds, scenes and the force on a hand.";
@@ -16,4 +17,5 @@ PYBIND11_MODULE(_core, module) {
   sparsha::python::bind_cloud(module);
   sparsha::python::bind_scene(module);
   sparsha::python::bind_renderer(module);
+  sparsha::python::bind_stages(module);
 }

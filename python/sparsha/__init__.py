@@ -2,14 +2,16 @@
 
     import sparsha
     scene = sparsha.build("statue.ply", grid={"size": 400})
-    heights = scene.heights()        # (ny, nx), metres
+    heights = scene.heights()                                   # (ny, nx), metres
+    proxy, force = sparsha.Renderer(scene).step((0.1, 0.2, 0.0))
 
 Lengths are metres, forces newtons, times seconds, unless a name says otherwise.
 """
-from ._core import Cloud, Renderer, Scene, Trace, __version__, build, open, read
-from ._errors import DeviceError, Error, Failure, InputError, UsageError, Warning
+from ._core import (Cloud, Renderer, Scene, Trace, __version__, bench_export, bench_judge, build, export,  # noqa: A004
+                    open, read, register, simulate)
+from ._errors import DeviceError, Error, Failure, InputError, UsageError, Warning  # noqa: A004
 
 __all__ = [
     "Cloud", "DeviceError", "Error", "Failure", "InputError", "Renderer", "Scene", "Trace", "UsageError", "Warning",
-    "build", "open", "read",
+    "__version__", "bench_export", "bench_judge", "build", "export", "open", "read", "register", "simulate",
 ]

@@ -9,7 +9,14 @@ class Error(Exception):
     wrong, expected: what is wrong, and what would have been right; expected may be empty.
     """
 
-    def __init__(self, message, file=None, line=None, column=None, wrong="", expected=""):
+    file: str | None
+    line: int | None
+    column: int | None
+    wrong: str
+    expected: str
+
+    def __init__(self, message: str, file: str | None = None, line: int | None = None, column: int | None = None,
+                 wrong: str = "", expected: str = "") -> None:
         super().__init__(message)
         self.file = file
         self.line = line

@@ -1,0 +1,77 @@
+"""python3 -m sparsha [FOLDER]: the open benchmark of forces, rendered by NumPy alone and by the core, and judged.
+
+FOLDER is what `sparsha bench export` wrote; without it the benchmark is exported to a folder that goes afterwards.
+Exit code 0 when the forces of NumPy pass everywhere, 1 when not, 2 for wrong arguments, 3 for files that cannot be read."""
+import argparse
+import pathlib
+import sys
+import tempfile
+
+import numpy as np
+
+from . import Cloud, Error, Renderer, bench_export, bench_judge, build, opinion
+
+
+def core_forces(folder, case, scenes):
+    """The core's forces on a scene made of the case's nodes, with its smooth surface; (n, 3) newtons, and the times."""
+    surface = case["surface"]
+    if surface not in scenes:
+        nodes = opinion.read_nodes(folder / "surfaces" / f"{surface}.ply")
+        scenes[surface] = build(Cloud(nodes, origin=(0, 0, 0)), config={
+            "grid": {"spacing_mm": 5, "bounds_m": [0, 0, 1, 1]}, "haptics": {"surface": "c1"}}, force=True)
+    path = np.loadtxt(folder / "paths" / f"{case['case']}.csv", delimiter=",", skiprows=1, ndmin=2)
+    renderer = Renderer(scenes[surface], friction=False, stiffness=float(case["stiffness_n_per_m"]))
+    return path[:, 0], renderer.trace(path[:, 1:4], time=path[:, 0]).force
+
+
+def compare(folder, work):
+    """One row a case: the verdicts on NumPy's and the core's forces, and how far these are apart."""
+    folder, work = pathlib.Path(folder), pathlib.Path(work)
+    cases = opinion.render(folder, work / "numpy.csv")
+    scenes = {}
+    with open(work / "core.csv", "w", encoding="ascii") as out:
+        out.write("case,t_s,force_x_n,force_y_n,force_z_n\n")
+        for case in cases:
+            for time, force in zip(*core_forces(folder, case, scenes)):
+                out.write(f"{case['case']},{time:.17g},{force[0]:.17g},{force[1]:.17g},{force[2]:.17g}\n")
+    columns = (2, 3, 4)
+    forces = [np.loadtxt(work / name, delimiter=",", skiprows=1, usecols=columns) for name in ("numpy.csv", "core.csv")]
+    rows, first = [], 0
+    for by_numpy, by_core, case in zip(bench_judge(folder, work / "numpy.csv"), bench_judge(folder, work / "core.csv"), cases):
+        last = first + int(case["ticks"])
+        one, other = (force[first:last] for force in forces)
+        size = np.linalg.norm(one, axis=1)
+        apart = np.linalg.norm(one - other, axis=1)[size > 0.5 * np.median(size[size > 0])]
+        rows.append((by_numpy, by_core, float(np.median(apart / np.median(size[size > 0])))))
+        first = last
+    return rows
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="python3 -m sparsha", description=__doc__.split("\n")[0])
+    parser.add_argument("folder", nargs="?", help="of `sparsha bench export`; default: a new one that goes afterwards")
+    parser.add_argument("--out", help="the forces of NumPy as a results.csv for `sparsha bench judge`; nothing else is done")
+    options = parser.parse_args(arguments)
+    with tempfile.TemporaryDirectory() as work:
+        folder = options.folder
+        if folder is None:
+            folder = pathlib.Path(work) / "bench"
+            bench_export(folder)
+        if options.out:
+            opinion.render(folder, options.out)
+            return 0
+        rows = compare(folder, work)
+    print(f"{'case':14} {'NumPy':7} {'median':>9} {'99 %':>9}   {'core':7} {'median':>9} {'99 %':>9}   apart")
+    for by_numpy, by_core, apart in rows:
+        print(by_numpy["case"].ljust(14), *(
+            f"{'pass' if one['pass'] else 'no':7} {one['error_median']:9.2e} {one['error_p99']:9.2e}  "
+            for one in (by_numpy, by_core)), f"{apart:.2e}")
+    return 0 if all(by_numpy["pass"] for by_numpy, _, _ in rows) else 1
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except (Error, OSError, ValueError) as error:
+        print(error, file=sys.stderr)
+        sys.exit(3)
