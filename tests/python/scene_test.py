@@ -197,14 +197,16 @@ class Building(WithFolder):
     def test_module_and_program_make_the_same_scene(self):
         points = wave_points()
         write_ply(self.folder / "wave.ply", points, np.random.default_rng(3).integers(0, 256, (len(points), 3)))
-        config = {"scans": [{"file": str(self.folder / "wave.ply"), "units": "m"}], **WAVE}
+        block = {**WAVE, "grid": {"spacing_mm": 1, "colour": True}}
+        config = {"scans": [{"file": str(self.folder / "wave.ply"), "units": "m"}], **block}
         (self.folder / "wave.yaml").write_text(json.dumps(config))
         subprocess.run([PROGRAM, "build", self.folder / "wave.yaml", "--out", self.folder / "by-program"], check=True,
                        capture_output=True)
         told = sparsha.open(self.folder / "by-program")
         cloud = sparsha.read(self.folder / "wave.ply")
         scenes = [sparsha.build(config), sparsha.build(self.folder / "wave.yaml", out=self.folder / "by-module"),
-                  sparsha.build(cloud, config=WAVE, threads=1)]
+                  sparsha.build(cloud, config=block, threads=1)]
+        self.assertEqual(told.colour().shape, (*told.shape(), 4))
         scenes.append(sparsha.open(self.folder / "by-module"))
         scenes[0].save(self.folder / "saved")
         scenes.append(sparsha.open(self.folder / "saved"))
