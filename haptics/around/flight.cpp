@@ -21,9 +21,12 @@ constexpr double kBetweenSheets = 0.6;  // cells, along the normal
 // A way that is so far from a sheet's planes does not meet it. Catmull-Rom patches overshoot the planes.
 template <class Surface>
 constexpr double kApart = std::is_same_v<Surface, C1Surface> ? kMiss : kBetweenSheets + 0.05;  // cells
-constexpr double kOverlap = 1e-3;            // cells: ways through neighbouring blocks overlap by so much
-constexpr double kOnEdge = 1e-3;             // cells: so far outside, a place still counts as inside an edge
-constexpr double kOutsideCells = 2.5;        // cells: a rim does not reach further out of the sheet beyond an edge
+constexpr double kOverlap = 1e-3;  // cells: ways through neighbouring blocks overlap by so much
+constexpr double kOnEdge = 1e-3;   // cells: so far outside, a place still counts as inside an edge
+// A rim does not reach further out of the sheet beyond an edge: two cells of its side, whose direction the edge's other
+// face may have steep under it. What is continued itself says less.
+constexpr double kOutsideCells = 4.5;  // cells
+constexpr double kOutsideRimCells = 3.2;
 constexpr double kAboveCorner = 1.5;         // cells: so far above a hollow corner its wall was measured
 constexpr double kInsideCells = 4.0;         // cells: nor further in
 constexpr double kSameNormal = 0.866025404;  // cosine of 30 degrees
@@ -129,7 +132,8 @@ Held held_at(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector
     if (other.sheet == own) continue;
     const SheetView view = view_of(object.sheets[other.sheet], place_m);
     const double gap = view.gap_m / object.spacing_m;
-    if (view.cell == kNoCell || gap > kOutsideCells || gap < -kInsideCells) continue;
+    const double most = view.cell == kRimCell ? kOutsideRimCells : kOutsideCells;
+    if (view.cell == kNoCell || gap > most || gap < -kInsideCells) continue;
     if (gap > kOnEdge) return Held::outside;
     held = Held::inside;
   }
@@ -155,7 +159,7 @@ std::optional<Crossing> surface_over(const ObjectSurface& object, const Eigen::V
   for (const Passing& passing : object.blocks.sheets_at(place_m)) {
     const std::uint32_t sheet = passing.sheet;
     const SheetView view = view_of(object.sheets[sheet], place_m);
-    if (view.cell == kNoCell || view.gap_m > kOutsideCells * object.spacing_m) continue;
+    if (view.cell == kNoCell || view.gap_m > kOutsideRimCells * object.spacing_m) continue;
     if (view.gap_m > kOnEdge * object.spacing_m) return {};
     if (view.cell == kRimCell || -view.gap_m >= least) continue;
     least = -view.gap_m;

@@ -353,6 +353,41 @@ ObjectPtr make_box(const Eigen::Vector3d& half_m, const Eigen::Matrix3d& view) {
   return std::make_shared<AnalyticObject>(std::move(patches), distance, half_m.norm(), view);
 }
 
+ObjectPtr make_bevelled_cube(double half_m, double bevel_m, const Eigen::Matrix3d& view) {
+  // Where two coordinates are this together, the bevel lies.
+  const double sum_m = 2.0 * half_m - bevel_m;
+  const double face_m = sum_m - half_m;
+  std::vector<PatchFunction> patches;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int second = (axis + 1) % 3, third = (axis + 2) % 3;
+    for (const double side : {-1.0, 1.0}) {
+      patches.emplace_back([=](double u, double v) -> Vector3d {
+        Vector3d p;
+        p[axis] = side * half_m;
+        p[second] = face_m * (2.0 * u - 1.0);
+        p[third] = face_m * (2.0 * v - 1.0);
+        return p;
+      });
+      for (const double other : {-1.0, 1.0}) {
+        patches.emplace_back([=](double u, double v) -> Vector3d {
+          const double x = face_m + u * bevel_m, y = sum_m - x;
+          Vector3d p;
+          p[axis] = side * x;
+          p[second] = other * y;
+          p[third] = (sum_m - std::max(x, y)) * (2.0 * v - 1.0);
+          return p;
+        });
+      }
+    }
+  }
+  const DistanceFunction distance = [=](const Vector3d& p) {
+    const Vector3d a = p.cwiseAbs();
+    const double face = a.maxCoeff() - half_m;
+    return std::max(face, (a.sum() - a.minCoeff() - sum_m) / std::sqrt(2.0));
+  };
+  return std::make_shared<AnalyticObject>(std::move(patches), distance, std::sqrt(3.0) * half_m, view);
+}
+
 std::vector<NamedObject> analytic_objects() {
   return {{"torus", make_torus()},
           {"two spheres", make_two_spheres()},

@@ -62,6 +62,10 @@ using ObjectPtr = std::shared_ptr<const ClosedObject>;
 /// A box with sharp edges and these half sides, metres; about zero.
 [[nodiscard]] ObjectPtr make_box(const Eigen::Vector3d& half_m, const Eigen::Matrix3d& view);
 
+/// A cube with sides of twice `half_m` whose edges are cut at 45 degrees, `bevel_m` off either face; about zero.
+/// Outside, before an edge, the distance is up to a twelfth less than the true one.
+[[nodiscard]] ObjectPtr make_bevelled_cube(double half_m, double bevel_m, const Eigen::Matrix3d& view);
+
 /// A mesh as it lies in a file, seen along its own -z; its front is the highest triangle over (x, y). Nothing when
 /// there is no such file. Throws Error when it cannot be read or has no faces.
 [[nodiscard]] ObjectPtr load_mesh_object(const std::filesystem::path& file);

@@ -29,11 +29,13 @@ struct Touched {
   std::shared_ptr<const haptics::ObjectSurface> surface;
 };
 
+/// `hole_spacings`: radius of a hole in the scan, 0 for none.
 inline Touched touched(const std::string& name, const ObjectPtr& object, std::size_t points = 20'000,
-                       const haptics::AroundFriction& friction = {}) {
+                       const haptics::AroundFriction& friction = {}, double hole_spacings = 0.0) {
   ScanOptions options;
   options.points = points;
   options.seed = 11;
+  options.hole_spacings = hole_spacings;
   const ObjectScan scan = scan_object(*object, options);
   ThreadPool pool(2);
   Progress progress;
@@ -89,6 +91,7 @@ class Wanderer {
 struct Outcome {
   std::size_t ticks = 0, contacts = 0, through = 0, not_a_number = 0, unfinished = 0, released = 0, hand_overs = 0,
               edges = 0, off_surface = 0, compared = 0, apart = 0;
+  std::size_t trapped = 0;   ///< held although the hand is a spacing outside
   double force_error = 0.0;  ///< mean, of the force's magnitude
   double turn_deg = 0.0;     ///< mean, of its direction
   double ns_median = 0.0, ns_p99 = 0.0;
@@ -123,6 +126,7 @@ inline Outcome wander(const Touched& on, std::size_t ticks, double deepest, std:
     const double d = on.object->distance_m(hip);
     if (!found.contact && !found.unfinished && d < -through * on.h) ++out.through;
     if (found.contact && std::abs(on.object->distance_m(place)) > 0.5 * on.h) ++out.off_surface;
+    if (found.contact && d > on.h) ++out.trapped;
     const Eigen::Vector3d arm = found.contact ? Eigen::Vector3d(place - hip) : Eigen::Vector3d::Zero();
     const double kick = ((arm - last_arm).norm() - (hip - last_hip).norm()) / on.h;
     if (out.ticks > 0 && arm.norm() > last_arm.norm()) out.kick = std::max(out.kick, kick);

@@ -97,6 +97,33 @@ TEST(Around, SharpEdgesHaveNoGapForAHandThatComesFromOutside) {
   }
 }
 
+TEST(Around, BesideAnEdgeThereIsNothingToTouch) {
+  for (const Sharp& sharp : sharp_objects()) {
+    const double h = sharp.on.h;
+    std::mt19937_64 random(19);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    std::size_t asked = 0, touched = 0;
+    for (int k = 0; k < 4'000; ++k) {
+      const OnEdge edge = place_on_edge(sharp.half, random);
+      const Vector3d way = 4.0 * h * Vector3d(unit(random), unit(random), unit(random));
+      const Vector3d middle = edge.at + h * (2.5 + unit(random)) * edge.first + h * 2.0 * unit(random) * edge.second;
+      double nearest = 1.0;
+      for (int step = -20; step <= 20; ++step)
+        nearest = std::min(nearest, sharp.on.object->distance_m(sharp.view * (middle + step / 20.0 * way)));
+      if (nearest < 1.2 * h) continue;
+      ++asked;
+      const auto flight =
+          haptics::fly(*sharp.on.surface, sharp.view * (middle - way) - sharp.on.surface->origin_m,
+                       sharp.view * (middle + way) - sharp.on.surface->origin_m, false, haptics::CellShape::rounded);
+      touched += flight.crossing ? 1 : 0;
+    }
+    const std::string all = sharp.on.name + ": " + std::to_string(touched) + " touched of " + std::to_string(asked);
+    if (std::getenv("SPARSHA_FIGURES") != nullptr) std::printf("%s\n", all.c_str());
+    EXPECT_GT(asked, 1'000U) << all;
+    EXPECT_LE(touched, 2U) << all;
+  }
+}
+
 TEST(Around, NoEdgeLetsAHandThrough) {
   const bool nightly = std::getenv("SPARSHA_NIGHTLY") != nullptr;
   for (const Sharp& sharp : sharp_objects()) {
