@@ -6,10 +6,11 @@
 #include <optional>
 #include <utility>
 
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 #include <pugixml.hpp>
 
 #include "pipeline/scan/formats/e57/notes.hpp"
+#include "pipeline/scan/formats/e57/pictures.hpp"
 #include "pipeline/scan/formats/e57/points.h"
 #include "pipeline/scan/scalar.h"
 #include "pipeline/scan/text.h"
@@ -31,7 +32,7 @@ struct Roles {
 };
 
 struct Scan {
-  std::string name;
+  std::string name, guid;
   std::uint64_t section = 0;
   std::uint64_t records = 0;
   std::vector<Field> fields;
@@ -88,11 +89,11 @@ class Reader {
     for (const Scan& s : scans) {
       const std::uint64_t before = out_.records();
       attempt(
-          s.name, [&] { read_scan_points(s); },
+          s.name, [&] { read_scan_points(s, document.child("e57Root").child("images2D")); },
           [&] { return "only " + std::to_string(out_.records() - before) + " of its points are read: "; });
     }
     if (unreadable_ == count) throw *first_error_;
-    scan.notes = notes_of(document.child("e57Root"));
+    scan.notes = notes_of(document.child("e57Root"), used_pictures_);
   }
 
  private:
@@ -262,28 +263,37 @@ class Reader {
     scan.section = static_cast<std::uint64_t>(section);
     parse_fields(points.child("prototype"), scan, 0);
     choose_fields(node, scan);
-    const pugi::xml_node rotation = node.child("pose").child("rotation");
-    const pugi::xml_node translation = node.child("pose").child("translation");
-    Eigen::Quaterniond turn(number_of(rotation.child("w")), number_of(rotation.child("x")),
-                            number_of(rotation.child("y")), number_of(rotation.child("z")));
-    if (rotation && !(turn.norm() > 0.0)) {
+    const Pose pose = pose_of(node, [&](const pugi::xml_node& number) { return number_of(number); });
+    if (pose.zero_turn) {
       out_.scan().warnings.push_back("the quaternion of a scan's pose is zero; taken as no rotation");
     }
-    if (rotation && turn.norm() > 0.0) scan.turn = turn.normalized().toRotationMatrix();
-    scan.shift = {number_of(translation.child("x")), number_of(translation.child("y")),
-                  number_of(translation.child("z"))};
+    scan.turn = pose.turn;
+    scan.shift = pose.shift;
+    scan.guid = node.child_value("guid");
     scan.posed = !node.child("pose").empty();
     return scan;
   }
 
-  void read_scan_points(const Scan& scan) {
+  /// Of a scan without colours, where it has some.
+  std::optional<Pictures> pictures_of(const Scan& scan, const pugi::xml_node& images) {
+    if (scan.roles.red >= 0 || !images) return std::nullopt;
+    Pictures pictures(
+        file_, pages_, images, scan.guid, scan.shift, [&](const pugi::xml_node& number) { return number_of(number); },
+        out_.scan().warnings);
+    used_pictures_ += pictures.size();
+    if (pictures.size() == 0) return std::nullopt;
+    return pictures;
+  }
+
+  void read_scan_points(const Scan& scan, const pugi::xml_node& images) {
     const Roles& roles = scan.roles;
+    const std::optional<Pictures> pictures = pictures_of(scan, images);
     const bool posed = !scan.turn.isIdentity(0.0) || !scan.shift.isZero(0.0);
     // The scanner is the origin of its own coordinates; without a pose or angles they may be anybody's.
     out_.set_station(scan.posed || roles.spherical ? std::optional(scan.shift) : std::nullopt);
     std::vector<double> values(scan.wanted.size());
     const auto value = [&](int role) { return values[static_cast<std::size_t>(role)]; };
-    out_.set_attributes(roles.red >= 0, roles.intensity >= 0, roles.nx >= 0);
+    out_.set_attributes(roles.red >= 0 || pictures.has_value(), roles.intensity >= 0, roles.nx >= 0);
     const double colour_factor = 255.0 / (scan.colour_high - scan.colour_low);
     const auto channel = [&](int role) {
       return colour_byte((value(role) - scan.colour_low) * colour_factor, ColourScale::byte);
@@ -303,9 +313,12 @@ class Reader {
           if (posed) p = scan.turn * p + scan.shift;
           for (const auto& [role, slot] : roles.others) out_.set_field(slot, value(role));
           const auto is_flagged = [&](int role) { return role >= 0 && value(role) != 0.0; };
-          const std::uint32_t rgba = roles.red >= 0 && !is_flagged(roles.no_colour)
-                                         ? pack_rgba(channel(roles.red), channel(roles.green), channel(roles.blue))
-                                         : kNoColour;
+          std::uint32_t rgba = kNoColour;
+          if (pictures) {
+            rgba = pictures->colour(p);
+          } else if (roles.red >= 0 && !is_flagged(roles.no_colour)) {
+            rgba = pack_rgba(channel(roles.red), channel(roles.green), channel(roles.blue));
+          }
           if (roles.nx >= 0) {
             const Eigen::Vector3d n = scan.turn * Eigen::Vector3d(value(roles.nx), value(roles.ny), value(roles.nz));
             out_.set_normal(n.x(), n.y(), n.z());
@@ -318,7 +331,7 @@ class Reader {
 
   const ScanFile& file_;
   ScanWriter& out_;
-  std::size_t unreadable_ = 0;
+  std::size_t unreadable_ = 0, used_pictures_ = 0;
   std::optional<Error> first_error_;
   Pages pages_;
 };

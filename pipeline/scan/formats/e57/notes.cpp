@@ -19,7 +19,7 @@ std::string text_of(const pugi::xml_node& node, const char* child) {
 }
 
 /// Pictures by the way that they were projected.
-std::string pictures(const pugi::xml_node& images) {
+std::string pictures(const pugi::xml_node& images, std::size_t used) {
   std::map<std::string, std::size_t> kinds;
   std::size_t count = 0;
   for (const pugi::xml_node& image : images.children("vectorChild")) {
@@ -29,7 +29,8 @@ std::string pictures(const pugi::xml_node& images) {
     }
   }
   if (count == 0) return {};
-  std::string text = fmt::format("{} pictures, which are not read", count);
+  std::string text = used == 0 ? fmt::format("{} pictures, which are not read", count)
+                               : fmt::format("{} pictures, of which {} give points their colour", count, used);
   for (const auto& [kind, number] : kinds) text += fmt::format(", {} {}", number, kind);
   return text;
 }
@@ -47,7 +48,7 @@ std::string raster(const pugi::xml_node& scans) {
 
 }  // namespace
 
-std::vector<std::string> notes_of(const pugi::xml_node& root) {
+std::vector<std::string> notes_of(const pugi::xml_node& root, std::size_t used) {
   std::vector<std::string> notes;
   const auto add = [&](const char* what, const std::string& text) {
     if (!text.empty()) notes.push_back(fmt::format("E57: {}{}", what, text));
@@ -65,7 +66,7 @@ std::vector<std::string> notes_of(const pugi::xml_node& root) {
   if (posed > 0) add("", fmt::format("{} scan positions", posed));
   add("coordinates of ", text_of(root, "coordinateMetadata"));
   add("", raster(root.child("data3D")));
-  add("", pictures(root.child("images2D")));
+  add("", pictures(root.child("images2D"), used));
   return notes;
 }
 

@@ -8,7 +8,8 @@
 
 namespace sparsha::pipeline::e57 {
 
-/// Software, scanners, scan positions, rows and columns, pictures, as far as they are there.
-[[nodiscard]] std::vector<std::string> notes_of(const pugi::xml_node& root);
+/// Software, scanners, scan positions, rows and columns, pictures, as far as they are there. `used`: pictures that
+/// colour points.
+[[nodiscard]] std::vector<std::string> notes_of(const pugi::xml_node& root, std::size_t used);
 
 }  // namespace sparsha::pipeline::e57
