@@ -299,6 +299,7 @@ class Reader {
   void add(Primitive& primitive, const Eigen::Matrix4d& place) {
     const auto first = static_cast<std::uint32_t>(out_.records());
     const Eigen::Matrix3d linear = place.topLeftCorner<3, 3>();
+    const Eigen::Vector3d shift = place.topRightCorner<3, 1>();
     const double turns = linear.determinant();
     const Eigen::Matrix3d of_normals = linear.inverse().transpose();
     // Decoded again where many pictures had no room together.
@@ -308,7 +309,7 @@ class Reader {
     out_.set_attributes(coloured, false, primitive.normals.has_value());
     for (std::uint64_t n = 0; n < primitive.positions.size(); ++n) {
       if (primitive.splats && !add_opacity(*primitive.splats, n)) continue;
-      const Eigen::Vector3d at = (place * position(primitive, n).homogeneous()).head<3>();
+      const Eigen::Vector3d at = linear * position(primitive, n) + shift;
       if (primitive.normals) {
         const std::array<double, 4> v = (*primitive.normals)(n);
         const Eigen::Vector3d normal = of_normals * Eigen::Vector3d(v[0], v[1], v[2]);
