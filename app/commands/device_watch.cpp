@@ -10,7 +10,7 @@
 #include "app/words/results.h"
 #include "base/error.h"
 #include "haptics/conformance/conformance.h"
-#include "haptics/servo/real_time.h"
+#include "haptics/conformance/each_sample.h"
 
 namespace sparsha::app {
 namespace {
@@ -18,8 +18,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Step = haptics::CheckStep;
 
-constexpr double kPeriod_s = 0.001;
-constexpr double kGone_s = 1.0;
 constexpr double kHomingTime_s = 60.0;
 constexpr double kLine_s = 0.1;
 
@@ -76,32 +74,10 @@ void add(haptics::CheckReport& report, const std::vector<haptics::ConformanceSte
 
 }  // namespace
 
-void each_sample(haptics::Device& device,
-                 const std::function<bool(const haptics::DeviceSample& sample, double time_s)>& each) {
-  const bool paced = device.info().paced;
-  const std::int64_t start_ns = haptics::now_ns();
-  const auto now_s = [start_ns] { return 1e-9 * static_cast<double>(haptics::now_ns() - start_ns); };
-  double connected_s = 0.0;
-  for (std::int64_t tick = 1;; ++tick) {
-    if (paced) device.wait(kPeriod_s);
-    // A wait() that returns at once must not make this spin.
-    const auto planned_ns = static_cast<std::int64_t>(1e9 * kPeriod_s * (paced ? 0.25 : 1.0)) * tick;
-    haptics::sleep_until_ns(std::min(start_ns + planned_ns, haptics::now_ns() + 1'000'000));
-    const double time_s = now_s();
-    const haptics::DeviceSample sample = device.read(time_s, kPeriod_s);
-    device.write(Eigen::Vector3d::Zero());
-    if (sample.connected) connected_s = time_s;
-    if (time_s - connected_s > kGone_s)
-      throw Error(ErrorKind::device, {}, device.info().name + ": it is not connected, or has not answered for a second",
-                  "its power supply and cable plugged in");
-    if (!each(sample, time_s) || sample.finished) return;
-  }
-}
-
 int monitor_device(haptics::Device& device, const CommonOptions& common, double duration_s) {
   Since since;
   double fresh_s = 0.0;
-  each_sample(device, [&](const haptics::DeviceSample& sample, double time_s) {
+  haptics::each_sample(device, [&](const haptics::DeviceSample& sample, double time_s) {
     if (sample.fresh) {
       ++since.answers;
       since.longest_s = std::max(since.longest_s, time_s - fresh_s);
@@ -120,7 +96,7 @@ int monitor_device(haptics::Device& device, const CommonOptions& common, double 
 int home_device(haptics::Device& device, const CommonOptions& common, const std::function<void(const char*)>& say) {
   bool homed = false;
   const haptics::DeviceAdvice* told = nullptr;
-  each_sample(device, [&](const haptics::DeviceSample& sample, double time_s) {
+  haptics::each_sample(device, [&](const haptics::DeviceSample& sample, double time_s) {
     homed = sample.homed && sample.connected && sample.fresh;
     const haptics::DeviceAdvice* const advice = device.advice();
     if (!homed && advice != nullptr && advice != told) say(advice->phrase);

@@ -11,11 +11,6 @@
 
 namespace sparsha::app {
 
-/// Calls the device as the servo does, a thousand times a second, with zero force, until `each` returns false. Throws
-/// Error{device} when it has not been connected for a second.
-void each_sample(haptics::Device& device,
-                 const std::function<bool(const haptics::DeviceSample& sample, double time_s)>& each);
-
 /// Prints ten lines a second, for `duration_s` or, when that is 0, until stopped.
 int monitor_device(haptics::Device& device, const CommonOptions& common, double duration_s);
 

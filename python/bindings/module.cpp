@@ -3,6 +3,7 @@
 
 #include "base/system.h"
 #include "python/bindings/cloud.hpp"
+#include "python/bindings/monitor.hpp"
 #include "python/bindings/renderer.hpp"
 #include "python/bindings/running.hpp"
 #include "python/bindings/scene.hpp"
@@ -18,4 +19,5 @@ PYBIND11_MODULE(_core, module) {
   sparsha::python::bind_scene(module);
   sparsha::python::bind_renderer(module);
   sparsha::python::bind_stages(module);
+  sparsha::python::bind_monitor(module);
 }

@@ -8,10 +8,10 @@
 Lengths are metres, forces newtons, times seconds, unless a name says otherwise.
 """
 from ._core import (Cloud, Renderer, Scene, Trace, __version__, bench_export, bench_judge, build, export,  # noqa: A004
-                    open, read, register, simulate)
+                    monitor, open, read, register, simulate)
 from ._errors import DeviceError, Error, Failure, InputError, UsageError, Warning  # noqa: A004
 
 __all__ = [
     "Cloud", "DeviceError", "Error", "Failure", "InputError", "Renderer", "Scene", "Trace", "UsageError", "Warning",
-    "__version__", "bench_export", "bench_judge", "build", "export", "open", "read", "register", "simulate",
+    "__version__", "bench_export", "bench_judge", "build", "export", "monitor", "open", "read", "register", "simulate",
 ]

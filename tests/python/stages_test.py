@@ -65,6 +65,21 @@ class Stages(unittest.TestCase):
         with self.assertRaises(sparsha.UsageError):
             sparsha.simulate({"sed": 3}, self.folder / "none")
 
+    def test_a_device_is_listened_to(self):
+        heard = sparsha.monitor("simulated", 0.1)
+        self.assertEqual(heard["position"].shape, (len(heard["time"]), 3))
+        self.assertGreater(len(heard["time"]), 3)
+        self.assertTrue((np.diff(heard["time"]) > 0).all())
+        self.assertTrue(np.isfinite(heard["position"]).all())
+        self.assertEqual(heard["homed"].dtype, bool)
+        with self.assertRaisesRegex(sparsha.UsageError, "simulated"):
+            sparsha.monitor("simulatd", 0.1)
+        for seconds in (0, -1, float("nan"), 1e9):
+            with self.assertRaises(sparsha.UsageError):
+                sparsha.monitor("simulated", seconds)
+        with self.assertRaises(sparsha.DeviceError):
+            sparsha.monitor("gamepad", 0.1)
+
     def test_the_second_opinion_finds_the_nearest_point_of_a_sphere_and_a_plane(self):
         x, y = np.meshgrid(np.linspace(-0.5, 0.5, 101), np.linspace(-0.5, 0.5, 101))
         sphere = opinion.Spline(np.stack([x, y, np.sqrt(4 - x**2 - y**2)], -1).reshape(-1, 3))
