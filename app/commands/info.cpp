@@ -15,7 +15,9 @@
 #include "app/terminal/terminal.h"
 #include "base/files.h"
 #include "base/text.h"
-#include "pipeline/scan/reader.h"
+#include "base/thread_pool.h"
+#include "pipeline/projection/count_scattered.h"
+#include "pipeline/scan/inspect.h"
 #include "pipeline/scan/units.h"
 #include "pipeline/scan/worth.h"
 #include "scene/scene.h"
@@ -79,6 +81,14 @@ Json scan_json(const fs::path& file, const pipeline::ScanInfo& info) {
   json["viewpoint"] = info.viewpoint ? Json(*info.viewpoint) : Json(nullptr);
   if (!info.warnings.empty()) json["warnings"] = info.warnings;
   return json;
+}
+
+std::string scattered_line(std::uint64_t points) {
+  return fmt::format("  scattered   {} points lie in space and make no surface\n", count_text(points));
+}
+
+std::string scattered_sentence(std::uint64_t points) {
+  return fmt::format("{} points lie in space and make no surface.\n", count_text(points));
 }
 
 std::string scan_text(const fs::path& file, const pipeline::ScanInfo& info) {
@@ -171,8 +181,7 @@ std::string scene_text(const fs::path& folder, const scene::SceneDescription& sc
                         count_text(scene.charts->measured_nodes()), length_text(scene.charts->spacing_m));
   }
   text += fmt::format("  made from   {} scan{}\n", scene.sources.size(), scene.sources.size() == 1 ? "" : "s");
-  if (const auto scattered = scattered_of(folder); scattered.value_or(0) > 0)
-    text += fmt::format("  scattered   {} points lie in space and make no surface\n", count_text(*scattered));
+  if (const auto scattered = scattered_of(folder); scattered.value_or(0) > 0) text += scattered_line(*scattered);
   return text;
 }
 
@@ -201,17 +210,24 @@ int run_info(const std::vector<std::string>& files, const CommonOptions& common)
       } else {
         text += common.plain ? scene_sentences(file, scene->description()) : scene_text(file, scene->description());
         if (const auto scattered = common.plain ? scattered_of(file) : std::nullopt; scattered.value_or(0) > 0)
-          text += fmt::format("{} points lie in space and make no surface.\n", count_text(*scattered));
+          text += scattered_sentence(*scattered);
       }
       continue;
     }
-    const pipeline::ScanInfo info = pipeline::inspect_scan(file, &terminal.progress());
+    std::uint64_t scattered = 0;
+    const pipeline::ScanInfo info =
+        pipeline::inspect_scan(file, &terminal.progress(), [&](const auto& points, double unit_m) {
+          ThreadPool pool;
+          scattered = pipeline::count_scattered(points, unit_m, pool);
+        });
     sizes.emplace_back(file, info.sample_m, info.points - info.invalid, info.units != "unknown");
     place.push_back(all.size());
     if (common.json) {
       all.push_back(scan_json(file, info));
+      if (scattered > 0) all.back()["scattered"] = scattered;
     } else {
       text += common.plain ? scan_sentences(file, info) : scan_text(file, info);
+      if (scattered > 0) text += common.plain ? scattered_sentence(scattered) : scattered_line(scattered);
     }
   }
   for (const auto& [scan, doubt] : doubts_between(sizes)) {

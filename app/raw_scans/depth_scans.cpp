@@ -17,8 +17,10 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/text.h"
+#include "base/thread_pool.h"
 #include "pipeline/build/build.h"
 #include "pipeline/orient/face.h"
+#include "pipeline/projection/count_scattered.h"
 #include "pipeline/scan/units.h"
 #include "pipeline/suggest/suggest.h"
 #include "scene/folder/folder.h"
@@ -34,6 +36,16 @@ std::string title_of(const std::vector<scene::ScanConfig>& scans) {
   if (scans.empty()) return {};
   const std::string first = scans.front().file.filename().string();
   return scans.size() == 1 ? first : fmt::format("{} and {} more", first, scans.size() - 1);
+}
+
+/// About how many points of the scans lie in space, from those that are shown.
+std::uint64_t scattered_in(const viewer::PointView& view) {
+  if (view.points.empty()) return 0;
+  ThreadPool pool;
+  const pipeline::RawPoints shown{view.points.front().data(), 3, view.points.size()};
+  const double share = static_cast<double>(pipeline::count_scattered(shown, pool)) / static_cast<double>(shown.count);
+  return static_cast<std::uint64_t>(
+      std::llround(share * static_cast<double>(std::max<std::uint64_t>(view.total, shown.count))));
 }
 
 std::vector<Eigen::Vector3d> sample_of(const viewer::PointView& points, const viewer::ScanSetup& setup) {
@@ -192,9 +204,16 @@ void DepthScans::read(Progress& progress) {
     scans = config_.scans;
   }
   ReadPoints points = read_points(scans, title_, progress);
+  const std::shared_ptr<const viewer::PointView> view = points.view;
+  {
+    const std::lock_guard lock(mutex_);
+    status_.points = std::move(points.view);
+    status_.scattered = 0;
+    stations_ = std::move(points.stations);
+  }
+  const std::uint64_t scattered = scattered_in(*view);
   const std::lock_guard lock(mutex_);
-  status_.points = std::move(points.view);
-  stations_ = std::move(points.stations);
+  status_.scattered = scattered;
 }
 
 // The configuration that `sparsha new` would write; its units may differ from those that the points were read with.

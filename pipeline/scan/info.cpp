@@ -5,6 +5,7 @@
 
 #include "pipeline/scan/doubts.h"
 #include "pipeline/scan/empty_returns.h"
+#include "pipeline/scan/inspect.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/statistics.h"
@@ -27,6 +28,10 @@ std::uint64_t count_duplicates(const std::vector<Eigen::Vector3d>& points) {
 }  // namespace
 
 ScanInfo inspect_scan(const std::filesystem::path& file, const Progress* progress) {
+  return inspect_scan(file, progress, [](const auto&, double) {});
+}
+
+ScanInfo inspect_scan(const std::filesystem::path& file, const Progress* progress, const LookAtPoints& look) {
   ReadOptions options;
   options.tally = ReadOptions::Tally::all;
   RawScan scan = read_scan(file, progress, options);
@@ -59,6 +64,7 @@ ScanInfo inspect_scan(const std::filesystem::path& file, const Progress* progres
   info.sample_m = sample.points();
   info.triangles = scan.faces.size();
   info.duplicates = count_duplicates(scan.points);
+  if (scan.faces.empty() && !scan.degrees) look(scan.points, scale);
   info.spacing_m = (scan.cell ? scan.cell->minCoeff() : median_spacing(scan.points)) * scale;
   if (const std::optional<UnitGuess> guess = guess_unit(scan)) info.warnings.push_back("unit: " + guess->reason);
   return info;

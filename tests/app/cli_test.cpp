@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 
 #include <gtest/gtest.h>
+#include <cmath>
 #include <cstdlib>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -22,6 +24,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 TEST_F(Program, UsageErrorsExitWithTwoAndNameTheNearestWord) {
   EXPECT_EQ(run("").code, 2);
@@ -218,6 +221,23 @@ TEST_F(Program, InfoGivesOneObjectForOneFileAndAnArrayForSeveral) {
     EXPECT_TRUE(one.contains(key)) << key;
   }
   EXPECT_EQ(nlohmann::json::parse(run("info a.ply a.ply --json").out).size(), 2U);
+}
+
+TEST_F(Program, InfoCountsThePointsOfAScanThatLieInSpace) {
+  std::string text;
+  for (int i = 0; i < 70; ++i)
+    for (int j = 0; j < 60; ++j) text += fmt::format("{} {} {:.4f}\n", i, j, std::sin(0.1 * i) + std::cos(0.12 * j));
+  write("clean.xyz", text);
+  for (int k = 0; k < 300; ++k)  // evenly, by three irrational steps
+    text += fmt::format("{:.3f} {:.3f} {:.3f}\n", 69 * std::fmod(0.8191725 * k, 1.0),
+                        59 * std::fmod(0.6710436 * k, 1.0), 40 * std::fmod(0.5497005 * k, 1.0) - 20);
+  write("stray.xyz", text);
+  EXPECT_FALSE(nlohmann::json::parse(run("info clean.xyz --json").out).contains("scattered"));
+  EXPECT_THAT(run("info clean.xyz").out, Not(HasSubstr("scattered")));
+  const int scattered = nlohmann::json::parse(run("info stray.xyz --json").out).value("scattered", 0);
+  EXPECT_GE(scattered, 200);
+  EXPECT_LE(scattered, 300);
+  EXPECT_THAT(run("info stray.xyz").out, HasSubstr(fmt::format("scattered   {} points lie in space", scattered)));
 }
 
 TEST_F(Program, WithoutADisplayAutoIsADeviceErrorThatNamesTheChoices) {

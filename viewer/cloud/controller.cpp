@@ -409,7 +409,8 @@ bool CloudController::rests() const {
   const OrientingStatus now = orienting_.status ? orienting_.status() : frame_.status;
   const OrientingStatus& seen = frame_.status;
   const bool news = now.work != seen.work || now.points != seen.points || now.proposals != seen.proposals ||
-                    now.notes != seen.notes || now.spacing_m != seen.spacing_m || now.busy != seen.busy;
+                    now.notes != seen.notes || now.spacing_m != seen.spacing_m || now.scattered != seen.scattered ||
+                    now.busy != seen.busy;
   const bool looking = frame_.status.points && (fits_ || preview_due_ || !preview_full_);
   const bool just_ended = frame_.time_s - ended_s_ < kLateStop_s;  // and time is to go on
   return !news && !now.busy && !looking && !just_ended && wishes_.empty() && words_.empty();

@@ -203,6 +203,9 @@ void scans_part(const Brush& brush, CloudController& controller) {
                      points->total == 1 ? "" : "s", size.c_str());
   if (points->total > points->points.size())
     ImGui::TextWrapped("%s of them are shown", count_text(points->points.size(), TextStyle::plain).c_str());
+  if (frame.status.scattered > 0)
+    ImGui::TextWrapped("about %s of them are scattered in space: a depth scan leaves them out",
+                       count_text(frame.status.scattered, TextStyle::plain).c_str());
   line(brush, "Unit");
   ImGui::SameLine();
   ImGui::SetNextItemWidth(0.35F * ImGui::GetContentRegionAvail().x);

@@ -78,6 +78,7 @@ struct OrientingStatus {
   std::uint64_t proposals = 0;
   std::shared_ptr<const SidePictures> sides;  ///< to choose the front from; null where it is not open
   double spacing_m = 0.0;                     ///< of the grid to come; 0: automatic
+  std::uint64_t scattered = 0;                ///< points, about, that lie in space and make no surface
   bool busy = false;
   bool scanning = false;        ///< it is a depth scan that is being made
   bool can_save_scene = false;  ///< a depth scan has been made

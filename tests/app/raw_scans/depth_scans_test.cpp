@@ -7,7 +7,10 @@
 #include <chrono>
 #include <cmath>
 #include <fstream>
+#include <random>
 #include <thread>
+
+#include <fmt/format.h>
 
 #include "app/exploration/edited_parts.h"
 #include "base/files.h"
@@ -340,6 +343,26 @@ TEST(DepthScans, ScansAloneAreGuessedShownTurnedAndBuilt) {
   scans.scan(scans.status().proposal);
   finish(scans);
   EXPECT_TRUE(scans.take_scene()) << scans.status().note;
+}
+
+TEST(DepthScans, TellsHowManyPointsLieInSpaceBeforeADepthScan) {
+  const test::TestFolder folder;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (const int scattered : {0, 1000}) {
+    const fs::path file = folder.path() / fmt::format("plate{}.xyz", scattered);
+    write_plate(file);
+    std::ofstream out(file, std::ios::app);
+    for (int k = 0; k < scattered; ++k)
+      out << 0.32 * unit(random) << ' ' << -0.1 + 0.2 * unit(random) << ' ' << 0.24 * unit(random) << '\n';
+    out.close();
+    DepthScans scans(std::vector<fs::path>{file});
+    scans.open();
+    finish(scans);
+    ASSERT_TRUE(scans.status().points) << scans.status().note;
+    EXPECT_LE(scans.status().scattered, static_cast<std::uint64_t>(scattered));
+    EXPECT_GE(scans.status().scattered, static_cast<std::uint64_t>(scattered * 7 / 10));
+  }
 }
 
 TEST(DepthScans, AnotherUnitScalesWhatWasGuessed) {

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "pipeline/projection/count_scattered.h"
 #include "tests/pipeline/projection/front_only.h"
 
 namespace sparsha::test {
@@ -95,6 +96,30 @@ TEST(ScatteredPoints, GrowNoSurfaceBesideAReliefAndAreCounted) {
     EXPECT_LE(static_cast<double>(found.scattered), share * static_cast<double>(points.size()));
   }
   EXPECT_EQ(project_cloud(make_cloud(plate(0.0, 0.0002, 5)), grid).scattered, 0U);
+}
+
+std::uint64_t counted(const Points& points, ThreadPool& pool, double unit = 1.0,
+                      const Eigen::Vector3d& from = Eigen::Vector3d::Zero()) {
+  std::vector<Eigen::Vector3d> places;
+  for (const auto& p : points) places.emplace_back(Eigen::Vector3d(p[0], p[1], p[2]) / unit + from);
+  return pipeline::count_scattered(places, unit, pool);
+}
+
+TEST(ScatteredPoints, AreCountedInAScanAsItsProjectionCountsThem) {
+  ThreadPool one(1), three(3);
+  for (const double share : {0.05, 0.1}) {
+    const Points points = plate(share, 0.0002, 5);
+    const std::uint64_t found = counted(points, one);
+    EXPECT_EQ(counted(points, three), found);
+    const auto built = static_cast<double>(project_cloud(make_cloud(points), {}).scattered);
+    EXPECT_NEAR(static_cast<double>(found), built, 0.1 * built);
+    EXPECT_LE(static_cast<double>(found), share * static_cast<double>(points.size()));
+    const auto far = static_cast<double>(counted(points, one, 0.001, {4.5e8, 5.4e9, 1.2e5}));
+    EXPECT_NEAR(far, built, 0.1 * built) << "millimetres, far from zero";
+  }
+  EXPECT_EQ(counted(plate(0.0, 0.0002, 5), one), 0U);
+  EXPECT_EQ(counted({}, one), 0U);
+  EXPECT_EQ(counted(Points(5000, {1.0, 2.0, 3.0}), one), 0U) << "all on one spot";
 }
 
 TEST(ScatteredPoints, AreNotTheSparsePartsOfARelief) {
