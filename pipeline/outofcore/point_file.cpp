@@ -3,7 +3,9 @@
 #include "pipeline/outofcore/point_file.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <future>
 #include <span>
 
 namespace sparsha::pipeline {
@@ -33,8 +35,8 @@ void PointFile::read(std::size_t bucket, std::size_t piece, const std::function<
   const std::size_t block_records = block_words_ / layout_.words();
   const std::size_t blocks_at_once = std::max<std::size_t>(1, piece / block_records);
   const std::size_t words_at_once = std::min(blocks_at_once, b.blocks.size()) * block_words_;
-  std::vector<float> words(words_at_once);
-  for (std::size_t block = 0; block < b.blocks.size(); block += blocks_at_once) {
+  const auto load = [&](std::size_t block, std::vector<float>& words) {
+    words.resize(words_at_once);
     PointRecords records{words.data(), layout_, 0, block * block_records};
     const std::size_t last = std::min(b.blocks.size(), block + blocks_at_once);
     for (std::size_t k = block; k < last; ++k) {
@@ -42,6 +44,17 @@ void PointFile::read(std::size_t bucket, std::size_t piece, const std::function<
       const std::span<float> part(words.data() + records.count * layout_.words(), here * layout_.words());
       file_.read(b.blocks[k], std::as_writable_bytes(part));
       records.count += here;
+    }
+    return records;
+  };
+  // While a piece is used, the next one is read.
+  std::array<std::vector<float>, 2> words;
+  std::future<PointRecords> next;
+  for (std::size_t block = 0; block < b.blocks.size(); block += blocks_at_once) {
+    const std::size_t number = block / blocks_at_once;
+    const PointRecords records = next.valid() ? next.get() : load(block, words[number % 2]);
+    if (const std::size_t after = block + blocks_at_once; after < b.blocks.size()) {
+      next = std::async(std::launch::async, load, after, std::ref(words[(number + 1) % 2]));
     }
     use(records);
   }

@@ -35,7 +35,7 @@ struct PointRecords {
 class PointFile {
  public:
   static constexpr std::size_t kBlockBytes = 1U << 16U;  ///< of a bucket's buffer
-  static constexpr std::size_t kPiece = 1U << 18U;       ///< records that read() hands over at once
+  static constexpr std::size_t kPiece = 1U << 17U;       ///< records that read() hands over at once
 
   /// The file has no name and goes with this object. Throws Error{failure}.
   PointFile(const std::filesystem::path& folder, const PointLayout& layout, std::size_t buckets);
@@ -55,7 +55,8 @@ class PointFile {
   /// Writes what is left and frees the buffers; no more add().
   void finish();
 
-  /// All records of a bucket in the order of add(), at most `piece` at once. Several threads may read.
+  /// All records of a bucket in the order of add(), at most `piece` at once; the next piece is read meanwhile. Several
+  /// threads may read.
   void read(std::size_t bucket, std::size_t piece, const std::function<void(const PointRecords&)>& use) const;
 
  private:

@@ -228,9 +228,7 @@ OrientedPoints TiledProjection::load_tile(const Tile& tile, ThreadPool& pool) co
   const auto room = static_cast<std::size_t>(tile.points);
   OrientedPoints all;
   all.origin_m = plan_.origin_m;
-  all.x = make_buffer<float>(room);
-  all.y = make_buffer<float>(room);
-  all.z = make_buffer<float>(room);
+  for (Buffer<float>* axis : {&all.x, &all.y, &all.z}) *axis = make_buffer<float>(room, tile_store());
   const auto put = [&](float x, float y, float z) {
     all.x[all.count] = x;
     all.y[all.count] = y;
@@ -278,7 +276,8 @@ void TiledProjection::fit_tile(const Tile& tile, const Context& context, Project
   const BinWindow own{tile.first_row + kMargin, tile.last_row + kMargin, tile.first_column + kMargin,
                       tile.last_column + kMargin};
   projection.scattered += flag_scattered(points, plan_.scatter, plan_.bins, own, skip);
-  const std::vector<std::uint8_t> verdicts = measure_rows(points, skip, plan_, tile.bins, first, context, rows);
+  const std::vector<std::uint8_t> verdicts =
+      measure_rows(points, skip, plan_, tile.bins, first, context, rows, tile_store());
   for (int j = tile.first_row; j < tile.last_row; ++j) {
     const std::size_t from = lattice.index(tile.first_column, j - first);
     const std::size_t to = plan_.lattice.index(tile.first_column, j);
@@ -392,6 +391,7 @@ Projection TiledProjection::run(std::uint64_t tile_points, const std::filesystem
     context.progress.at(kBucketed + (kFitted - kBucketed) * static_cast<double>(t) / static_cast<double>(tiles.size()));
     fit_tile(tiles[t], context, projection, verdicts);
   }
+  tile_memory_.clear();
   add_verdicts(verdicts, projection);
   leave_out_turned_away(plan_, verdicts, context.pool, projection);
   require_a_measured_node(projection.grid);

@@ -66,7 +66,11 @@ class TiledProjection {
   class OutliersOfBuckets;
   [[nodiscard]] OrientedPoints orient(const PointRecords& records, ThreadPool& pool) const;
 
+  /// What a tile needs, the next one needs again. Not for discs, which take their memory step by step.
+  [[nodiscard]] MemoryStore* tile_store() const { return plan_.discs ? nullptr : &tile_memory_; }
+
   mutable MemoryStore memory_;  ///< of pieces
+  mutable MemoryStore tile_memory_;
   CloudOnDisk cloud_;
   Eigen::Matrix4d scan_to_grid_;
   ProjectionPlan plan_;

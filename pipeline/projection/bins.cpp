@@ -205,7 +205,9 @@ Bins sort_into_bins(const OrientedPoints& points, const std::vector<std::uint8_t
   Bins bins;
   bins.lattice = lattice;
   bins.points = bands.total();
-  bins.start = make_buffer<std::uint32_t>(lattice.bin_count() + 1 + Bins::kReadAhead, store);
+  // Of a part of the rows most of the starts are never touched, and take no memory that is not kept.
+  const bool all_rows = last_row - first_row == static_cast<std::size_t>(lattice.bins_y());
+  bins.start = make_buffer<std::uint32_t>(lattice.bin_count() + 1 + Bins::kReadAhead, all_rows ? store : nullptr);
   for (Buffer<float>* array : {&bins.x, &bins.y, &bins.z}) {
     *array = make_buffer<float>(bins.points + Bins::kReadAhead, store);
     std::fill_n(array->get() + bins.points, Bins::kReadAhead, 0.0F);

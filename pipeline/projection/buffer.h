@@ -21,22 +21,34 @@ class MemoryStore {
   MemoryStore() = default;
   MemoryStore(const MemoryStore&) = delete;
   MemoryStore& operator=(const MemoryStore&) = delete;
-  ~MemoryStore() {
-    for (const auto& [memory, bytes] : kept_) std::free(memory);
-  }
+  ~MemoryStore() { clear(); }
 
   /// Memory of at least `bytes`, and at most twice as many, and its true size; or null when none is kept.
+  /// In the latter case one that is a little too small is given back to the system, so that what is kept does not grow.
   [[nodiscard]] std::pair<void*, std::size_t> take(std::size_t bytes) noexcept {
     const std::lock_guard lock(mutex_);
-    auto best = kept_.end();
+    auto best = kept_.end(), outgrown = kept_.end();
     for (auto it = kept_.begin(); it != kept_.end(); ++it) {
+      if (it->second < bytes && it->second > bytes / 2) outgrown = it;
       if (it->second < bytes || it->second / 2 > bytes) continue;
       if (best == kept_.end() || it->second < best->second) best = it;
     }
-    if (best == kept_.end()) return {nullptr, 0};
+    if (best == kept_.end()) {
+      if (outgrown != kept_.end()) {
+        std::free(outgrown->first);
+        kept_.erase(outgrown);
+      }
+      return {nullptr, 0};
+    }
     const std::pair<void*, std::size_t> found = *best;
     kept_.erase(best);
     return found;
+  }
+  /// Gives back to the system what is kept.
+  void clear() noexcept {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [memory, bytes] : kept_) std::free(memory);
+    kept_.clear();
   }
   void give(void* memory, std::size_t bytes) {
     const std::lock_guard lock(mutex_);
