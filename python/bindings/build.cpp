@@ -135,7 +135,7 @@ std::shared_ptr<BuiltScene> build(const py::object& given, const py::object& con
   options.force = force;
   options.grid_only = grid_only;
   if (!memory.is_none()) options.memory_bytes = app::parse_bytes(py::str(memory).cast<std::string>());
-  const std::string folder = out.is_none() ? std::string() : paths_of(out, "out").at(0);
+  const std::string folder = out.is_none() ? std::string() : path_of(out, "out");
   return run(progress, [&](Progress& told) {
     pipeline::BuildResult result =
         source.cloud ? build_cloud(source, options, folder, told) : build_files(source, options, folder, told);
@@ -148,7 +148,7 @@ std::shared_ptr<BuiltScene> build(const py::object& given, const py::object& con
 }
 
 std::shared_ptr<BuiltScene> open(const py::object& folder, bool trust) {
-  const std::string path = paths_of(folder, "folder").at(0);
+  const std::string path = path_of(folder, "folder");
   const py::gil_scoped_release release;
   auto built = std::make_shared<BuiltScene>();
   built->scene = scene::open_scene(path, trust ? scene::Trust::any_file : scene::Trust::own_folder);
@@ -181,7 +181,7 @@ py::object check(const BuiltScene& built, const py::object& scans, std::int64_t 
 }
 
 void save(const BuiltScene& built, const py::object& folder, const py::object& progress) {
-  const std::string path = paths_of(folder, "folder").at(0);
+  const std::string path = path_of(folder, "folder");
   run(progress, [&](Progress&) {
     scene::require_replaceable(path, built.scene->description().config);
     AtomicPath target(path, AtomicPath::Kind::folder);

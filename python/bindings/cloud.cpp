@@ -154,7 +154,7 @@ std::vector<scene::ScanConfig> scans_of(const py::object& files, const py::objec
   const bool listed = py::isinstance<py::list>(files) || py::isinstance<py::tuple>(files);
   const auto add = [&](const py::handle& scan) {
     if (py::isinstance<py::dict>(scan)) return entries.append(with_units(py::dict(scan.attr("copy")())));
-    const std::string path = paths_of(scan, "files").at(0);
+    const std::string path = path_of(scan, "files");
     if (app::is_config(path)) {
       if (listed && py::len(files) > 1) {
         throw usage_error("a configuration and something else", "one CONFIG, or SCANs only");

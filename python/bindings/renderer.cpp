@@ -188,7 +188,7 @@ Arrays are read-only views. Places are metres in the grid frame, of a whole obje
       .def(
           "save",
           [](const Trace& t, const py::object& file) {
-            const std::string path = paths_of(file, "file").at(0);
+            const std::string path = path_of(file, "file");
             const py::gil_scoped_release release;
             haptics::write_trace(path, t);
           },

@@ -21,23 +21,31 @@ std::vector<std::string> settings_of(const py::dict& settings) {
   return found;
 }
 
+namespace {
+
+bool is_path(const py::handle& object) {
+  return py::isinstance<py::str>(object) || py::isinstance<py::bytes>(object) || py::hasattr(object, "__fspath__");
+}
+
+std::string decoded(const py::handle& path) {
+  return py::module_::import("os").attr("fsdecode")(path).cast<std::string>();
+}
+
+}  // namespace
+
+std::string path_of(const py::handle& given, const char* name) {
+  if (is_path(given)) return decoded(given);
+  throw py::type_error(fmt::format("{} is {}; expected a path", name, Py_TYPE(given.ptr())->tp_name));
+}
+
 std::vector<std::string> paths_of(const py::handle& given, const char* name) {
-  const py::object as_path = py::module_::import("os").attr("fsdecode");
-  const auto is_path = [](const py::handle& object) {
-    return py::isinstance<py::str>(object) || py::isinstance<py::bytes>(object) || py::hasattr(object, "__fspath__");
-  };
-  if (is_path(given)) return {as_path(given).cast<std::string>()};
-  if (!py::isinstance<py::sequence>(given)) {
+  if (is_path(given)) return {decoded(given)};
+  if (!py::isinstance<py::list>(given) && !py::isinstance<py::tuple>(given)) {
     throw py::type_error(
         fmt::format("{} is {}; expected a path or a list of paths", name, Py_TYPE(given.ptr())->tp_name));
   }
   std::vector<std::string> paths;
-  for (const py::handle& item : py::reinterpret_borrow<py::sequence>(given)) {
-    if (!is_path(item)) {
-      throw py::type_error(fmt::format("{} holds {}; expected paths", name, Py_TYPE(item.ptr())->tp_name));
-    }
-    paths.push_back(as_path(item).cast<std::string>());
-  }
+  for (const py::handle& item : given) paths.push_back(path_of(item, name));
   return paths;
 }
 

@@ -19,6 +19,9 @@ namespace sparsha::python {
 /// One path or a sequence of paths. Raises TypeError.
 [[nodiscard]] std::vector<std::string> paths_of(const pybind11::handle& given, const char* name);
 
+/// One path. Raises TypeError.
+[[nodiscard]] std::string path_of(const pybind11::handle& given, const char* name);
+
 /// A configuration in memory; paths in it are relative to the present folder.
 [[nodiscard]] scene::Config config_of_text(const std::string& text, const std::vector<std::string>& settings);
 

@@ -73,7 +73,7 @@ scene::Config config_of_list(const py::sequence& scans, const std::vector<std::s
     } else if (py::isinstance<py::dict>(scan)) {
       entry = py::dict(scan.attr("copy")());
     } else {
-      entry["file"] = paths_of(scan, "scans").at(0);
+      entry["file"] = path_of(scan, "scans");
     }
     entries.append(entry);
   }
@@ -94,7 +94,7 @@ py::dict register_scans(const py::object& scans, unsigned threads, const py::obj
   } else if (py::isinstance<py::list>(scans) || py::isinstance<py::tuple>(scans)) {
     config = config_of_list(py::reinterpret_borrow<py::sequence>(scans), settings, files);
   } else {
-    config = scene::load_config(paths_of(scans, "scans").at(0), settings);
+    config = scene::load_config(path_of(scans, "scans"), settings);
   }
   return dict_of(run(progress, [&](Progress& told) {
     ThreadPool pool(threads);
@@ -104,9 +104,9 @@ py::dict register_scans(const py::object& scans, unsigned threads, const py::obj
 }
 
 void simulate(const py::object& given, const py::object& out, const py::object& progress) {
-  const std::string folder = paths_of(out, "out").at(0);
+  const std::string folder = path_of(out, "out");
   if (!py::isinstance<py::dict>(given)) {
-    const std::string file = paths_of(given, "config").at(0);
+    const std::string file = path_of(given, "config");
     run(progress, [&](Progress& told) {
       pipeline::simulate(file, folder, told);
       return 0;
@@ -158,7 +158,7 @@ py::dict export_replica(const BuiltScene& built, const std::string& file, double
 
 py::dict export_scene(const BuiltScene& built, const py::object& to, bool nodes, bool haptics, bool front,
                       const std::string& holes, double size_mm, const py::object& progress) {
-  const std::string file = paths_of(to, "file").at(0);
+  const std::string file = path_of(to, "file");
   if (holes != "close" && holes != "leave") throw usage_error("holes is '" + holes + "'", "'close' or 'leave'");
   const bool whole = built.scene->description().charts != nullptr && !front;
   if (pipeline::is_replica(file)) return export_replica(built, file, size_mm, whole, progress);
@@ -178,8 +178,8 @@ py::dict export_scene(const BuiltScene& built, const py::object& to, bool nodes,
 }
 
 py::list judge(const py::object& folder, const py::object& results) {
-  const std::string data = paths_of(folder, "folder").at(0);
-  const std::string forces = paths_of(results, "results").at(0);
+  const std::string data = path_of(folder, "folder");
+  const std::string forces = path_of(results, "results");
   const protocol::Verdict verdict = [&] {
     const py::gil_scoped_release release;
     return protocol::judge(data, forces);
@@ -232,7 +232,7 @@ Raises UsageError, Failure.)");
   module.def(
       "bench_export",
       [](const py::object& folder) {
-        const std::string path = paths_of(folder, "folder").at(0);
+        const std::string path = path_of(folder, "folder");
         const py::gil_scoped_release release;
         protocol::export_benchmark(path);
       },

@@ -2,12 +2,16 @@
 import json
 import os
 
+_MOST = 100000  # numbers of an array; a configuration is at most 1 MB of text
+
 
 def _plain(value):
     if isinstance(value, os.PathLike):
         return os.fspath(value)
-    if hasattr(value, "tolist"):  # arrays and numbers of NumPy
-        return value.tolist()
+    if hasattr(value, "tolist") and getattr(value, "size", 0) <= _MOST:  # arrays and numbers of NumPy
+        plain = value.tolist()
+        if isinstance(plain, (bool, int, float, str, list)):
+            return plain
     raise TypeError(f"a configuration cannot hold {type(value).__name__}: {value!r}")
 
 

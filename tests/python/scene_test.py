@@ -158,6 +158,21 @@ class HostileArrays(unittest.TestCase):
             cloud = sparsha.Cloud(whole.astype(kind))
             np.testing.assert_array_equal(cloud.points + cloud.origin, whole)
 
+    def test_what_no_configuration_can_hold_is_refused(self):
+        cloud = sparsha.Cloud(wave_points(20, 20))
+        strided = np.lib.stride_tricks.as_strided(np.zeros(3), (1 << 40, 3), (0, 8))
+        for wrong in (strided, np.zeros(2, np.longdouble), object(), {1, 2}, np.zeros(2, complex)):
+            with self.assertRaisesRegex(TypeError, "cannot hold"):
+                sparsha.build(cloud, config={}, grid=wrong)
+        for wrong in (float("nan"), "x", [1], -3, True, 10**40):
+            with self.assertRaises(sparsha.UsageError):
+                sparsha.build(cloud, config={}, grid={"size": wrong})
+        for wrong in ([], ["a.scene", "b.scene"], None, 3):
+            with self.assertRaises(TypeError):
+                sparsha.open(wrong)
+        scene = sparsha.build(cloud, config={"grid": {"spacing_mm": np.float64(1)}})
+        self.assertEqual(scene.spacing(), 0.001)
+
     def test_attributes_must_fit_the_points(self):
         count = len(wave_points())
         self.refused(sparsha.UsageError, "colour has 5 rows", colour=np.zeros((5, 3)))
