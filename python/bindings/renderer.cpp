@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -24,6 +25,8 @@ namespace py = pybind11;
 namespace {
 
 using Trace = haptics::TraceResult;
+
+constexpr py::ssize_t kMostNodes = 32768;  // of heights in one direction
 
 /// Which of `names` a word is. Throws Error{usage}.
 std::size_t choice(const std::string& key, const std::string& word, const std::vector<std::string>& names) {
@@ -94,6 +97,47 @@ std::unique_ptr<Renderer> make_renderer(const py::object& given, std::optional<i
   return renderer;
 }
 
+/// A surface of the caller's own heights, without a scene.
+std::unique_ptr<Renderer> renderer_of_heights(const py::object& given, double spacing, const py::object& origin,
+                                              double mu_dynamic, std::optional<double> mu_static, double stiffness,
+                                              const std::string& surface, const std::string& creases,
+                                              const std::string& solver) {
+  const py::array array = py::array::ensure(given);
+  if (!array) throw py::type_error("heights cannot be made an array; expected an array of real numbers");
+  const Floats heights = float_rows_of(
+      array, "heights", array.ndim() == 2 ? static_cast<int>(std::min(array.shape(1), kMostNodes)) : 2, Numbers::any);
+  if (heights.shape(0) < 2 || heights.shape(1) < 2 || heights.shape(0) > kMostNodes) {
+    throw usage_error(fmt::format("heights has the shape ({}, {})", heights.shape(0), heights.shape(1)),
+                      fmt::format("2 to {} nodes in both directions", kMostNodes));
+  }
+  for (py::ssize_t n = 0; n < heights.size(); ++n) {
+    if (std::isinf(heights.data()[n])) throw usage_error("heights has an infinite one", "finite ones, or NaN: unknown");
+  }
+  auto renderer = std::make_unique<Renderer>();
+  haptics::SurfaceParts parts;
+  parts.lattice.nx = static_cast<int>(heights.shape(1));
+  parts.lattice.ny = static_cast<int>(heights.shape(0));
+  parts.lattice.spacing_m = checked(spacing, "spacing", 1e-9, 1e6);
+  if (!origin.is_none()) parts.lattice.origin_m = vector_of(origin, "origin");
+  parts.height_m.assign(heights.data(), heights.data() + heights.size());
+  const double mu = checked(mu_dynamic, "mu_dynamic", 0.0, 10.0);
+  const double mu_rest = checked(mu_static.value_or(mu), "mu_static", mu, 10.0);
+  if (mu_rest > 0.0) {
+    parts.friction.mu_dynamic.assign(parts.lattice.count(), static_cast<float>(mu));
+    parts.friction.mu_static.assign(parts.lattice.count(), static_cast<float>(mu_rest));
+  }
+  renderer->haptics.stiffness_n_per_m = checked(stiffness, "stiffness", 0.0, 1e6);
+  if (choice("solver", solver, {"exact", "paper"}) == 1) renderer->haptics.solver = scene::HapticsConfig::Solver::paper;
+  if (choice("creases", creases, {"sharp", "rounded"}) == 1) renderer->options.shape = haptics::CellShape::rounded;
+  if (choice("surface", surface, {"bilinear", "c1"}) == 1) {
+    renderer->haptics.surface = scene::HapticsConfig::Surface::c1;
+    renderer->options.shape = haptics::CellShape::c1;
+  }
+  const py::gil_scoped_release release;
+  renderer->surface = haptics::make_surface(std::move(parts));
+  return renderer;
+}
+
 std::vector<haptics::HipSample> samples_of(const py::object& path, const py::object& time, double rate_hz) {
   const Doubles rows = rows_of(path, "path", 3, Numbers::any);
   checked(rate_hz, "rate", 1e-3, 1e6);
@@ -115,12 +159,14 @@ std::vector<haptics::HipSample> samples_of(const py::object& path, const py::obj
 std::shared_ptr<Trace> trace(const Renderer& renderer, const py::object& path, const py::object& time, double rate_hz) {
   std::vector<haptics::HipSample> samples = samples_of(path, time, rate_hz);
   const py::gil_scoped_release release;
-  const scene::SceneDescription& description = renderer.scene->scene->description();
   if (renderer.object) {
-    return std::make_shared<Trace>(haptics::trace_around(*renderer.object, samples, description.scan_from_grid,
-                                                         renderer.haptics, renderer.options));
+    const Eigen::Matrix4d& scan_from_grid = renderer.scene->scene->description().scan_from_grid;
+    return std::make_shared<Trace>(
+        haptics::trace_around(*renderer.object, samples, scan_from_grid, renderer.haptics, renderer.options));
   }
-  haptics::to_grid_frame(samples, renderer.frame, description, *renderer.surface);
+  if (renderer.scene) {
+    haptics::to_grid_frame(samples, renderer.frame, renderer.scene->scene->description(), *renderer.surface);
+  }
   return std::make_shared<Trace>(haptics::trace(*renderer.surface, samples, renderer.haptics, renderer.options));
 }
 
@@ -221,6 +267,15 @@ Raises UsageError. A Renderer is for one thread at a time; several of them share
 
 path: (n, 3) metres; rows that are not numbers are rendered as they stand. time: (n,) seconds; None: n / rate, hertz.
 Returns a Trace. The interpreter's lock is released. Raises TypeError, UsageError.)")
+      .def_static("of_heights", &renderer_of_heights, py::arg("heights"), py::arg("spacing"), py::kw_only(),
+                  py::arg("origin") = py::none(), py::arg("mu_dynamic") = 0.0, py::arg("mu_static") = py::none(),
+                  py::arg("stiffness") = 800.0, py::arg("surface") = "bilinear", py::arg("creases") = "sharp",
+                  py::arg("solver") = "exact",
+                  R"(A Renderer of one's own heights, without a scene; they are touched as they are given.
+
+heights: (ny, nx) metres above origin[2], row 0 at the smallest y, NaN where unknown; kept in single precision.
+spacing: of the nodes, metres. origin: (3,) metres, None: zero. mu_dynamic, mu_static: of all nodes. stiffness: N/m.
+surface: "bilinear" or "c1", bicubic patches through the nodes. Raises TypeError, UsageError.)")
       .def("reset", &Renderer::reset, "The next step() starts the proxy anew.")
       .def_readonly("contact", &Renderer::contact, "Whether the last step() touched.")
       .def_property_readonly(

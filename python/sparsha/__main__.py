@@ -9,18 +9,21 @@ import tempfile
 
 import numpy as np
 
-from . import Cloud, Error, Renderer, bench_export, bench_judge, build, opinion
+from . import Error, Renderer, bench_export, bench_judge, opinion
 
 
-def core_forces(folder, case, scenes):
-    """The core's forces on a scene made of the case's nodes, with its smooth surface; (n, 3) newtons, and the times."""
+def core_forces(folder, case, surfaces):
+    """The core's forces on bicubic patches through the case's nodes; (n, 3) newtons, and the times."""
     surface = case["surface"]
-    if surface not in scenes:
+    if surface not in surfaces:
         nodes = opinion.read_nodes(folder / "surfaces" / f"{surface}.ply")
-        scenes[surface] = build(Cloud(nodes, origin=(0, 0, 0)), config={
-            "grid": {"spacing_mm": 5, "bounds_m": [0, 0, 1, 1]}, "haptics": {"surface": "c1"}}, force=True)
+        x, y = np.unique(nodes[:, 0]), np.unique(nodes[:, 1])
+        heights = np.empty((len(y), len(x)))
+        heights[np.searchsorted(y, nodes[:, 1]), np.searchsorted(x, nodes[:, 0])] = nodes[:, 2]
+        surfaces[surface] = heights, (x[-1] - x[0]) / (len(x) - 1), (x[0], y[0], 0)
+    heights, spacing, origin = surfaces[surface]
+    renderer = Renderer.of_heights(heights, spacing, origin=origin, surface="c1", stiffness=float(case["stiffness_n_per_m"]))
     path = np.loadtxt(folder / "paths" / f"{case['case']}.csv", delimiter=",", skiprows=1, ndmin=2)
-    renderer = Renderer(scenes[surface], friction=False, stiffness=float(case["stiffness_n_per_m"]))
     return path[:, 0], renderer.trace(path[:, 1:4], time=path[:, 0]).force
 
 
@@ -28,11 +31,11 @@ def compare(folder, work):
     """One row a case: the verdicts on NumPy's and the core's forces, and how far these are apart."""
     folder, work = pathlib.Path(folder), pathlib.Path(work)
     cases = opinion.render(folder, work / "numpy.csv")
-    scenes = {}
+    surfaces = {}
     with open(work / "core.csv", "w", encoding="ascii") as out:
         out.write("case,t_s,force_x_n,force_y_n,force_z_n\n")
         for case in cases:
-            for time, force in zip(*core_forces(folder, case, scenes)):
+            for time, force in zip(*core_forces(folder, case, surfaces)):
                 out.write(f"{case['case']},{time:.17g},{force[0]:.17g},{force[1]:.17g},{force[2]:.17g}\n")
     columns = (2, 3, 4)
     forces = [np.loadtxt(work / name, delimiter=",", skiprows=1, usecols=columns) for name in ("numpy.csv", "core.csv")]

@@ -43,6 +43,35 @@ class OnAView(unittest.TestCase):
             np.testing.assert_allclose(force, STIFFNESS * max(depth, 0) * normal, atol=2e-4)
             np.testing.assert_allclose(proxy, foot if depth > 0 else foot - depth * normal, atol=1e-6)
 
+    def test_heights_of_ones_own_are_touched_as_they_are(self):
+        x, y = np.meshgrid(0.01 * np.arange(31), 0.01 * np.arange(21))
+        heights = 0.2 * x - 0.1 * y
+        normal = np.array([-0.2, 0.1, 1]) / np.sqrt(1.05)
+        for surface in ("bilinear", "c1"):
+            renderer = sparsha.Renderer.of_heights(heights, 0.01, origin=(1, 2, 3), stiffness=STIFFNESS, surface=surface)
+            foot = np.array([1.123, 2.077, 3 + 0.2 * 0.123 - 0.1 * 0.077])
+            proxy, force = renderer.step(foot - 0.002 * normal)
+            np.testing.assert_allclose(force, STIFFNESS * 0.002 * normal, atol=1e-5)
+            np.testing.assert_allclose(proxy, foot, atol=1e-7)
+            trace = renderer.trace([foot - 0.002 * normal])
+            np.testing.assert_array_equal(trace.force[0], force)
+        rough = sparsha.Renderer.of_heights(np.zeros((5, 5)), 0.01, mu_dynamic=0.5, stiffness=STIFFNESS)
+        rough.step((0.01, 0.02, 0.01))
+        rough.step((0.01, 0.02, -0.002))
+        proxy, force = rough.step((0.03, 0.02, -0.002))
+        np.testing.assert_allclose(-force[0] / force[2], 0.5, rtol=1e-6)  # Coulomb's cone
+        nan = heights.copy()
+        nan[3, 4] = np.nan
+        self.assertTrue(np.isfinite(sparsha.Renderer.of_heights(nan, 0.01).step((0.04, 0.03, -0.01))).all())
+        for wrong, spacing in ((np.zeros((1, 5)), 1), (np.zeros(5), 1), (np.zeros((5, 5)), 0), (np.zeros((5, 5)), np.nan),
+                               (np.full((5, 5), np.inf), 1), (np.zeros((0, 0)), 1), ("x", 1), (None, 1),
+                               (np.broadcast_to(0.0, (10**6, 10**6)), 1), (np.zeros((5, 5), complex), 1)):
+            with self.assertRaises((TypeError, sparsha.UsageError)):
+                sparsha.Renderer.of_heights(wrong, spacing)
+        for options in ({"mu_dynamic": -1}, {"mu_dynamic": 0.5, "mu_static": 0.4}, {"surface": "c2"}, {"origin": (1, 2)}):
+            with self.assertRaises(sparsha.UsageError):
+                sparsha.Renderer.of_heights(np.zeros((5, 5)), 1, **options)
+
     def test_steps_and_traces_are_the_same_bits(self):
         path = stroke()
         for options in ({}, {"creases": "rounded"}, {"solver": "paper"}, {"level": 0}, {"texture": False},
