@@ -18,7 +18,9 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "bench/pipeline/run.h"
+#include "pipeline/scan/formats/e57/pages.h"
 #include "pipeline/scan/reader.h"
+#include "tests/support/copc_file.h"
 #include "tests/support/las_files.h"
 #include "tests/support/laz_encoder.h"
 
@@ -113,6 +115,91 @@ std::string laz(const Waves& waves) {
                         points.begin() + static_cast<std::ptrdiff_t>(std::min(at + kEach, points.size())));
   }
   return pipeline::testing::pack_las(chunks, kEach);
+}
+
+/// Points of format 6 in layers; each node is a child of the one before.
+std::string copc(const Waves& waves) {
+  constexpr int kEach = 50'000;
+  std::vector<pipeline::testing::CopcNode> nodes;
+  const auto stored = [](float metres) { return static_cast<std::int32_t>(std::lround(1e5F * metres)); };
+  for (int n = 0; n < waves.points(); ++n) {
+    if (n % kEach == 0) nodes.push_back({static_cast<int>(nodes.size()), {0, 0, 0}, {}});
+    nodes.back().points.push_back({stored(waves.x(n)), stored(waves.y(n)), stored(waves.z(n))});
+  }
+  return pipeline::testing::CopcFile(nodes).bytes;
+}
+
+/// Pages of 1020 bytes with their checksums around packets of single numbers.
+std::string e57(const Waves& waves) {
+  constexpr std::size_t kPage = 1020;
+  constexpr int kEach = 4000;  // points of a packet
+  const auto physical = [](std::size_t at) { return static_cast<std::uint64_t>(at / kPage * 1024 + at % kPage); };
+  std::string packets;
+  for (int from = 0; from < waves.points(); from += kEach) {
+    const int count = std::min(kEach, waves.points() - from);
+    const auto bytes = static_cast<std::uint16_t>(4 * count);
+    put(packets, std::uint16_t{1});
+    put(packets, static_cast<std::uint16_t>(12 + 3 * bytes - 1));
+    put(packets, std::uint16_t{3});
+    for (int k = 0; k < 3; ++k) put(packets, bytes);
+    for (int n = from; n < from + count; ++n) put(packets, waves.x(n));
+    for (int n = from; n < from + count; ++n) put(packets, waves.y(n));
+    for (int n = from; n < from + count; ++n) put(packets, waves.z(n));
+  }
+  std::string logical(48, '\0');
+  put(logical, std::uint64_t{1});
+  put(logical, static_cast<std::uint64_t>(32 + packets.size()));
+  put(logical, physical(48 + 32));
+  put(logical, std::uint64_t{0});
+  logical += packets;
+  const std::size_t xml_at = logical.size();
+  std::string xml = fmt::format(
+      "<e57Root type=\"Structure\"><data3D type=\"Vector\"><vectorChild type=\"Structure\"><points "
+      "type=\"CompressedVector\" fileOffset=\"48\" recordCount=\"{}\"><prototype type=\"Structure\">",
+      waves.points());
+  for (const char* name : {"cartesianX", "cartesianY", "cartesianZ"})
+    xml += fmt::format("<{} type=\"Float\" precision=\"single\"/>", name);
+  xml += "</prototype><codecs type=\"Vector\"/></points></vectorChild></data3D></e57Root>";
+  logical += xml;
+  logical.resize((logical.size() + kPage - 1) / kPage * kPage, ' ');
+  std::string head = "ASTM-E57";
+  put(head, std::uint32_t{1});
+  put(head, std::uint32_t{0});
+  put(head, static_cast<std::uint64_t>(logical.size() / kPage * 1024));
+  put(head, physical(xml_at));
+  put(head, static_cast<std::uint64_t>(xml.size()));
+  put(head, std::uint64_t{1024});
+  logical.replace(0, head.size(), head);
+  std::string bytes;
+  for (std::size_t at = 0; at < logical.size(); at += kPage) {
+    const std::string_view page = std::string_view(logical).substr(at, kPage);
+    bytes += page;
+    const std::uint32_t crc = pipeline::e57::crc32c(page);
+    for (const int shift : {24, 16, 8, 0}) bytes += static_cast<char>(crc >> shift & 255U);
+  }
+  return bytes;
+}
+
+std::string colmap(const Waves& waves) {
+  std::string bytes;
+  put(bytes, static_cast<std::uint64_t>(waves.points()));
+  for (int n = 0; n < waves.points(); ++n) {
+    put(bytes, static_cast<std::uint64_t>(n + 1));
+    for (const float value : {waves.x(n), waves.y(n), waves.z(n)}) put(bytes, static_cast<double>(value));
+    bytes.append("\x80\x80\x80", 3);
+    put(bytes, 0.5);
+    put(bytes, std::uint64_t{2});
+    for (const std::uint32_t seen : {1U, 7U, 2U, 9U}) put(bytes, seen);
+  }
+  return bytes;
+}
+
+std::string ptx(const Waves& waves) {
+  std::string text =
+      fmt::format("{0}\n{0}\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", waves.side);
+  for (int n = 0; n < waves.points(); ++n)
+    text += fmt::format("{:.4f} {:.4f} {:.6f} 0.5\n", waves.x(n), waves.y(n), waves.z(n));
+  return text;
 }
 
 std::string splat(const Waves& waves) {
@@ -271,6 +358,10 @@ void run_formats(const RunOptions& options) {
   measure("waves.pcd", pcd(waves));
   measure("waves.las", las(waves));
   measure("waves.laz", laz(waves));
+  measure("waves.copc.laz", copc(waves));
+  measure("waves.e57", e57(waves));
+  measure("points3D.bin", colmap(waves));
+  measure("waves.ptx", ptx(waves));
   measure("waves.splat", splat(waves));
   measure("waves.asc", esri(waves));
   measure("waves.obj", obj(waves));

@@ -8,7 +8,7 @@
 #include "pipeline/build/build.h"
 #include "pipeline/suggest/suggest.h"
 #include "scene/scene.h"
-#include "tests/pipeline/scan/formats/las/copc_file.h"
+#include "tests/support/copc_file.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {

@@ -11,7 +11,7 @@
 
 #include "base/progress.h"
 #include "pipeline/scan/set.h"
-#include "tests/pipeline/scan/formats/las/copc_file.h"
+#include "tests/support/copc_file.h"
 
 namespace sparsha::pipeline {
 namespace {

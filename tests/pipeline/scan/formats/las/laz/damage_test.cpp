@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "tests/pipeline/scan/formats/las/copc_file.h"
+#include "tests/support/copc_file.h"
 #include "tests/support/laz_encoder.h"
 #include "tests/support/scan_files.h"
 
