@@ -8,7 +8,7 @@ ASSERTIONS ?= OFF
 # while a library is linked; a folder keeps what it began with.
 FIRST = $(if $(wildcard $(BUILD)/CMakeCache.txt),,-DSPARSHA_PRECOMPILE=ON $(if $(shell command -v ninja),-G Ninja))
 
-.PHONY: run test tests setup nightly bench bench-quick soak format clean
+.PHONY: run test tests package setup nightly bench bench-quick soak format clean
 
 run: setup
 	@cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release -DSPARSHA_LIBRARY_ASSERTIONS=$(ASSERTIONS) $(FIRST) > $(BUILD)-configure.log 2>&1 \
@@ -23,6 +23,14 @@ tests: setup
 
 test: tests
 	ctest --test-dir $(BUILD) -j$(JOBS) --output-on-failure --no-tests=error $(CTEST_FLAGS)
+
+# Same sources, same bytes: times in the packages are that of the last commit.
+package: export SOURCE_DATE_EPOCH ?= $(shell git log -1 --format=%ct 2>/dev/null || echo 0)
+package: setup
+	cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release $(FIRST)
+	cmake --build $(BUILD) -j$(JOBS) --target sparsha_packaged
+	cd $(BUILD) && cpack
+	cp $(BUILD)/*.deb $(BUILD)/sparsha-*.tar.gz .
 
 setup:
 	@tools/setup.sh packages.txt

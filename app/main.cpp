@@ -8,6 +8,7 @@
 #include "app/command_line.h"
 #include "app/commands/commands.h"
 #include "app/terminal/terminal.h"
+#include "app/version_text.h"
 #include "base/error.h"
 #include "base/system.h"
 #include "base/system/signals.h"
@@ -51,7 +52,7 @@ int main(int argc, char** argv) {
   sparsha::system::survive_cut_files();
   sparsha::system::open_standard_streams();
   sparsha::system::allow_many_open_files();
-  CommandLine line("sparsha", "Sparsha: touch, see and hear scanned heritage", SPARSHA_VERSION);
+  CommandLine line("sparsha", "Sparsha: touch, see and hear scanned heritage", version_text());
   Command app = line.program();
   CommonOptions common;
   app.add_flag("--json", common.json, "results as JSON");

@@ -148,6 +148,11 @@ void require_version(yaml::MapReader& reader) {
   int version = 0;
   const yaml::Node& node = reader.required("version");
   reader.read("version", version, 0, 1 << 30);
+  if (version > kFormatVersion) {
+    throw yaml::error_at(
+        node, fmt::format("scene format {}, which a newer version of sparsha wrote", version),
+        fmt::format("at most format {}; a newer version opens it, or build the scene again", kFormatVersion));
+  }
   if (version != kFormatVersion) {
     throw yaml::error_at(node, fmt::format("scene format {}", version),
                          fmt::format("format {}; build the scene again", kFormatVersion));

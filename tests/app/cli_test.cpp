@@ -22,6 +22,7 @@
 namespace sparsha {
 namespace {
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -36,7 +37,8 @@ TEST_F(Program, UsageErrorsExitWithTwoAndNameTheNearestWord) {
   EXPECT_THAT(option.err, HasSubstr("did you mean --threads?"));
   EXPECT_EQ(run("export x --to y.ply --nodess").code, 2);
   EXPECT_EQ(run("--help").code, 0);
-  EXPECT_THAT(run("--version").out, HasSubstr("sparsha "));
+  EXPECT_THAT(run("--version").out,
+              ContainsRegex("^sparsha [0-9]+\\.[0-9]+\\.[0-9]+\ncommit: ([0-9a-f]{12}|unknown)\nfeatures: [a-z ]+\n$"));
 }
 
 #if defined(__linux__)

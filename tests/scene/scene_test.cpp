@@ -172,6 +172,21 @@ TEST_F(SceneFolder, RefusesADamagedFolderWithTheFileThatIsWrong) {
   EXPECT_THAT(message(), ::testing::HasSubstr("there is no scene.yaml"));
 }
 
+TEST_F(SceneFolder, ASceneOfANewerFormatIsRefusedByNameAndOneOfThisOpens) {
+  EXPECT_NO_THROW((void)open_scene(folder_));
+  std::string yaml = read_file(folder_ / "scene.yaml", 1U << 20U);
+  const std::string version = "scene:\n  version: 1\n";
+  yaml.replace(yaml.find(version), version.size(), "scene:\n  version: 2\n");
+  write_file(folder_ / "scene.yaml", yaml);
+  try {
+    (void)open_scene(folder_);
+    FAIL() << "it was opened";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.place().file, (folder_ / "scene.yaml").string());
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("scene format 2, which a newer version of sparsha wrote"));
+  }
+}
+
 TEST_F(SceneFolder, ALevelWhoseSizeIsNotItsLayersIsRefused) {
   std::string yaml = read_file(folder_ / "scene.yaml", 1U << 20U);
   yaml.replace(yaml.find("nx: 300"), 7, "nx: 301");
