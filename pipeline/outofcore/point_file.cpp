@@ -1,5 +1,5 @@
 // All buckets share one file: each full buffer is a block at its end, so that writing is sequential whatever the
-// points' order.
+// points' order. The file is cut into parts, whose room on the disk is free as soon as they are closed.
 #include "pipeline/outofcore/point_file.h"
 
 #include <algorithm>
@@ -12,14 +12,24 @@ namespace sparsha::pipeline {
 
 std::uint32_t PointRecords::rgba(std::size_t k) const { return std::bit_cast<std::uint32_t>(xyz(k)[3]); }
 
-PointFile::PointFile(const std::filesystem::path& folder, const PointLayout& layout, std::size_t buckets)
-    : layout_(layout), block_words_(kBlockBytes / layout.bytes() * layout.words()), buckets_(buckets), file_(folder) {}
+PointFile::PointFile(const std::filesystem::path& folder, const PointLayout& layout, std::size_t buckets,
+                     std::uint64_t part_bytes)
+    : layout_(layout),
+      block_words_(kBlockBytes / layout.bytes() * layout.words()),
+      buckets_(buckets),
+      folder_(folder),
+      part_bytes_(part_bytes) {
+  parts_.push_back(std::make_unique<system::ScratchFile>(folder_));
+}
 
 void PointFile::flush(Bucket& bucket) {
   if (bucket.buffer.empty()) return;
-  file_.write(end_, std::as_bytes(std::span(bucket.buffer)));
+  const std::size_t bytes = bucket.buffer.size() * sizeof(float);
+  if (end_ % part_bytes_ + bytes > part_bytes_) end_ += part_bytes_ - end_ % part_bytes_;
+  while (parts_.size() <= end_ / part_bytes_) parts_.push_back(std::make_unique<system::ScratchFile>(folder_));
+  parts_.back()->write(end_ % part_bytes_, std::as_bytes(std::span(bucket.buffer)));
   bucket.blocks.push_back(end_);
-  end_ += bucket.buffer.size() * sizeof(float);
+  end_ += bytes;
   bucket.buffer.clear();
 }
 
@@ -42,7 +52,8 @@ void PointFile::read(std::size_t bucket, std::size_t piece, const std::function<
     for (std::size_t k = block; k < last; ++k) {
       const auto here = static_cast<std::size_t>(std::min<std::uint64_t>(block_records, b.records - k * block_records));
       const std::span<float> part(words.data() + records.count * layout_.words(), here * layout_.words());
-      file_.read(b.blocks[k], std::as_writable_bytes(part));
+      parts_[static_cast<std::size_t>(b.blocks[k] / part_bytes_)]->read(b.blocks[k] % part_bytes_,
+                                                                        std::as_writable_bytes(part));
       records.count += here;
     }
     return records;
@@ -58,6 +69,18 @@ void PointFile::read(std::size_t bucket, std::size_t piece, const std::function<
     }
     use(records);
   }
+}
+
+void PointFile::drain(std::size_t bucket, std::size_t piece, const std::function<void(const PointRecords&)>& use) {
+  read(bucket, piece, [&](const PointRecords& records) {
+    use(records);
+    // The next piece is being read: what lies behind this one, block by block in one bucket, is asked for no more.
+    const std::size_t block_records = block_words_ / layout_.words();
+    const Bucket& b = buckets_[bucket];
+    const auto next = static_cast<std::size_t>((records.first + records.count + block_records - 1) / block_records);
+    const std::uint64_t wanted = next < b.blocks.size() ? b.blocks[next] / part_bytes_ : parts_.size();
+    for (; drained_ < wanted; ++drained_) parts_[static_cast<std::size_t>(drained_)].reset();
+  });
 }
 
 }  // namespace sparsha::pipeline

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "base/system.h"
@@ -34,11 +35,14 @@ struct PointRecords {
 
 class PointFile {
  public:
-  static constexpr std::size_t kBlockBytes = 1U << 16U;  ///< of a bucket's buffer
-  static constexpr std::size_t kPiece = 1U << 17U;       ///< records that read() hands over at once
+  static constexpr std::size_t kBlockBytes = 1U << 16U;   ///< of a bucket's buffer
+  static constexpr std::uint64_t kPartBytes = 1U << 28U;  ///< of the file; many would be many open files
+  static constexpr std::size_t kPiece = 1U << 17U;        ///< records that read() hands over at once
 
-  /// The file has no name and goes with this object. Throws Error{failure}.
-  PointFile(const std::filesystem::path& folder, const PointLayout& layout, std::size_t buckets);
+  /// The file has no name and goes with this object; it is kept in parts of so many bytes, a block's at least. Throws
+  /// Error{failure}.
+  PointFile(const std::filesystem::path& folder, const PointLayout& layout, std::size_t buckets,
+            std::uint64_t part_bytes = kPartBytes);
 
   [[nodiscard]] const PointLayout& layout() const { return layout_; }
   [[nodiscard]] std::size_t buckets() const { return buckets_.size(); }
@@ -58,6 +62,8 @@ class PointFile {
   /// All records of a bucket in the order of add(), at most `piece` at once; the next piece is read meanwhile. Several
   /// threads may read.
   void read(std::size_t bucket, std::size_t piece, const std::function<void(const PointRecords&)>& use) const;
+  /// As read() of a file of one bucket, once: parts whose records have been used are gone from the disk.
+  void drain(std::size_t bucket, std::size_t piece, const std::function<void(const PointRecords&)>& use);
 
  private:
   struct Bucket {
@@ -71,7 +77,10 @@ class PointFile {
   std::size_t block_words_;
   std::vector<Bucket> buckets_;
   std::uint64_t end_ = 0;
-  system::ScratchFile file_;
+  std::filesystem::path folder_;
+  std::uint64_t part_bytes_;
+  std::vector<std::unique_ptr<system::ScratchFile>> parts_;
+  std::uint64_t drained_ = 0;
 };
 
 }  // namespace sparsha::pipeline

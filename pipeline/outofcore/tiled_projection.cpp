@@ -77,7 +77,7 @@ void TiledProjection::fill_buckets(const std::filesystem::path& folder, const Co
   points_.rows_per_bucket = static_cast<int>((rows + kMostBuckets - 1) / kMostBuckets);
   const auto per_bucket = static_cast<std::size_t>(points_.rows_per_bucket);
   points_.file = std::make_unique<PointFile>(folder, cloud_.file->layout(), (rows + per_bucket - 1) / per_bucket);
-  cloud_.file->read(0, PointFile::kPiece, [&](const PointRecords& records) {
+  cloud_.file->drain(0, PointFile::kPiece, [&](const PointRecords& records) {
     const double done = static_cast<double>(records.first) / static_cast<double>(cloud_.size());
     context.progress.at(kPlanned + (kBucketed - kPlanned) * done);
     const OrientedPoints points = orient(records, context.pool);

@@ -1,9 +1,14 @@
 // What is written comes back, whole and in order, and nothing stays on the disk.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <bit>
 #include <filesystem>
 #include <thread>
+
+#if defined(__linux__)
+#include <sys/stat.h>
+#endif
 
 #include "base/error.h"
 #include "pipeline/outofcore/point_file.h"
@@ -65,6 +70,48 @@ TEST_P(PointFiles, GiveBackEachBucketInTheOrderOfWriting) {
 INSTANTIATE_TEST_SUITE_P(AllLayouts, PointFiles,
                          ::testing::Values(PointLayout{false, false}, PointLayout{true, false},
                                            PointLayout{false, true}, PointLayout{true, true}));
+
+#if defined(__linux__)
+// Of files of this process that have no name any more: where the disk has room for them, in bytes.
+std::uint64_t disk_of_nameless_files() {
+  std::uint64_t bytes = 0;
+  for (const auto& entry : fs::directory_iterator("/proc/self/fd")) {
+    struct stat status {};
+    if (::stat(entry.path().c_str(), &status) == 0 && S_ISREG(status.st_mode) && status.st_nlink == 0)
+      bytes += 512U * static_cast<std::uint64_t>(status.st_blocks);
+  }
+  return bytes;
+}
+
+TEST(PointFile, DrainGivesTheDiskBackPartByPart) {
+  const test::TestFolder folder;
+  constexpr std::uint64_t kPoints = 500'000;  // 6 MB
+  constexpr std::uint64_t kPart = 1U << 20U;
+  constexpr std::size_t kPieceRecords = 10'000;
+  const std::uint64_t before = disk_of_nameless_files();
+  PointFile file(folder, PointLayout{}, 1, kPart);
+  for (std::uint64_t k = 0; k < kPoints; ++k) {
+    const std::array<float, 3> record{static_cast<float>(k), 1.0F, 2.0F};
+    file.add(0, record.data());
+  }
+  file.finish();
+  const std::uint64_t whole = disk_of_nameless_files() - before;
+  if (whole < 12 * kPoints) GTEST_SKIP() << "this file system does not say what files take";
+  std::uint64_t seen = 0;
+  bool same = true;
+  std::uint64_t most_beyond = 0;  // bytes on the disk beside those that are still to be read
+  file.drain(0, kPieceRecords, [&](const PointRecords& records) {
+    for (std::size_t k = 0; k < records.count; ++k, ++seen)
+      same = same && records.xyz(k)[0] == static_cast<float>(seen);
+    const std::uint64_t left = 12 * (kPoints - seen), held = disk_of_nameless_files() - before;
+    most_beyond = std::max(most_beyond, held - std::min(held, left));
+  });
+  EXPECT_TRUE(same);
+  EXPECT_EQ(seen, kPoints);
+  EXPECT_LT(most_beyond, kPart + kPart / 4);
+  EXPECT_EQ(disk_of_nameless_files(), before);
+}
+#endif
 
 TEST(PointFile, AFolderThatIsNotThereIsAnError) { EXPECT_THROW(PointFile("/no/such/folder", PointLayout{}, 1), Error); }
 
