@@ -2,6 +2,7 @@
 #include <random>
 
 #include "pipeline/scan/read_bytes.h"
+#include "tests/support/copc_file.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {
@@ -120,6 +121,20 @@ std::vector<Seed> seeds() {
   set(375 + 20, std::uint16_t{32});
   las.replace(375 + 54, 31, "PROJCS[\"p\",UNIT[\"foot\",0.3048]]");
   result.push_back({"a.las", las});
+  // A COPC file whose second level stands in a page of its own, and splats.
+  std::vector<testing::CopcNode> nodes(3);
+  for (std::int32_t n = 0; n < 3; ++n) {
+    nodes[static_cast<std::size_t>(n)].level = n;
+    for (std::int32_t k = 0; k < 5; ++k) nodes[static_cast<std::size_t>(n)].points.push_back({k, 7 * k + n, k * k});
+  }
+  result.push_back({"a.copc.laz", testing::CopcFile(nodes, 1).bytes});
+  std::string splats;
+  for (int k = 0; k < 4; ++k) {
+    for (const float value : {static_cast<float>(k), 2.F, 3.F, 0.01F, 0.02F, 0.001F}) put(splats, value);
+    put(splats, 0xFF804020U);
+    put(splats, 0x808080FFU);
+  }
+  result.push_back({"a.splat", splats});
   return result;
 }
 
