@@ -8,7 +8,7 @@ ASSERTIONS ?= OFF
 # while a library is linked; a folder keeps what it began with.
 FIRST = $(if $(wildcard $(BUILD)/CMakeCache.txt),,-DSPARSHA_PRECOMPILE=ON $(if $(shell command -v ninja),-G Ninja))
 
-.PHONY: run test tests package setup nightly bench bench-quick soak format clean
+.PHONY: run test tests package docs setup nightly bench bench-quick soak format clean
 
 run: setup
 	@cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release -DSPARSHA_LIBRARY_ASSERTIONS=$(ASSERTIONS) $(FIRST) > $(BUILD)-configure.log 2>&1 \
@@ -31,6 +31,10 @@ package: setup
 	cmake --build $(BUILD) -j$(JOBS) --target sparsha_packaged
 	cd $(BUILD) && cpack
 	cp $(BUILD)/*.deb $(BUILD)/sparsha-*.tar.gz .
+
+docs:
+	@tools/setup.sh packages-docs.txt
+	@tools/docs.sh $(BUILD)
 
 setup:
 	@tools/setup.sh packages.txt
