@@ -120,6 +120,15 @@ int export_whole(const scene::Scene& scene, const std::string& file, pipeline::H
   return 0;
 }
 
+/// The scene as if its unrolled frame were the scans' own.
+scene::ScenePointer laid_flat(scene::ScenePointer scene) {
+  scene::SceneDescription flat = scene->description();
+  if (!flat.config.unroll) throw usage_error("--unrolled means nothing here", "a scene with `unroll`");
+  flat.config.unroll.reset();
+  flat.scan_from_grid.setIdentity();
+  return scene::with_description(std::move(scene), std::move(flat));
+}
+
 }  // namespace
 
 void add_export(Command app, const CommonOptions& common, Run& run) {
@@ -129,6 +138,7 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
     bool nodes = false;
     bool haptics = false;
     bool front = false;
+    bool unrolled = false;
     std::string holes = "close";
     pipeline::ReplicaOptions replica;
     bool no_braille = false;
@@ -141,6 +151,7 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
   command.add_flag("--nodes", arguments->nodes, "points of measured nodes only (ply, obj, xyz)");
   command.add_flag("--haptics", arguments->haptics, "stiffness, friction and texture as maps in the file (glb)");
   command.add_flag("--front", arguments->front, "of a whole object, its front view alone");
+  command.add_flag("--unrolled", arguments->unrolled, "of an unrolled object, its picture laid flat");
   Option of_holes = command.add_option("--holes", arguments->holes,
                                        "where no scan saw a whole object: close, or leave open (ply, obj, glb)");
   of_holes.check(one_of({"close", "leave"})).shows_default();
@@ -183,7 +194,8 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
       pipeline::check_export(arguments->file, arguments->nodes, arguments->haptics);
       check_outputs({{"--to", arguments->file}, {"the world file of --to", pipeline::world_file_of(arguments->file)}},
                     arguments->scene);
-      const scene::ScenePointer scene = scene_from({arguments->scene}, common.trusted(), terminal.progress());
+      scene::ScenePointer scene = scene_from({arguments->scene}, common.trusted(), terminal.progress());
+      if (arguments->unrolled) scene = laid_flat(std::move(scene));
       const bool whole = scene->description().charts && !arguments->front && !arguments->nodes;
       if (whole && arguments->haptics)
         throw usage_error("the mesh of a whole object has no maps of what is felt", "--front with --haptics");

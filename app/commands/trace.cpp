@@ -10,6 +10,7 @@
 
 #include "app/commands/commands.h"
 #include "app/commands/sentences.h"
+#include "app/commands/unrolled_trace.h"
 #include "app/exploration/kept_scenes.h"
 #include "app/inputs.h"
 #include "app/terminal/terminal.h"
@@ -51,6 +52,14 @@ haptics::TracedPart part_of(const Arguments& arguments) {
   part.friction = !arguments.no_friction;
   part.tip_radius_m = 1e-3 * arguments.tip_radius_mm;
   return part;
+}
+
+haptics::SurfaceOptions surface_options(const Arguments& arguments) {
+  haptics::SurfaceOptions options;
+  options.effects.texture = !arguments.no_texture;
+  options.effects.friction = !arguments.no_friction;
+  options.tip_radius_m = 1e-3 * arguments.tip_radius_mm;
+  return options;
 }
 
 haptics::HipFrame frame_of(const std::string& name) {
@@ -128,6 +137,11 @@ std::string doubt_of_heights(const scene::Scene& scene, int level) {
 
 haptics::TraceResult trace_path(const scene::Scene& scene, const Arguments& arguments,
                                 const scene::HapticsConfig& haptics, const haptics::SolverOptions& options) {
+  if (scene.description().config.unroll && arguments.frame == "scan") {
+    if (arguments.level >= 0 || !arguments.centre.empty())
+      throw usage_error("a window (--level, --centre) has no scan frame on an unrolled object", "--frame grid with it");
+    return trace_unrolled(scene, haptics::read_hip_path(arguments.hip), surface_options(arguments), haptics, options);
+  }
   const auto surface = haptics::traced_surface(scene, part_of(arguments));
   std::vector<haptics::HipSample> path = haptics::read_hip_path(arguments.hip);
   haptics::to_grid_frame(path, frame_of(arguments.frame), scene.description(), *surface);

@@ -132,6 +132,7 @@ DepthScans::~DepthScans() {
 std::string DepthScans::unavailable() const {
   const std::lock_guard lock(mutex_);
   if (config_.scans.empty()) return "this scene names no scans";
+  if (config_.unroll) return "an unrolled object is turned by the orientation in its configuration";
   std::error_code code;
   for (const scene::ScanConfig& scan : config_.scans)
     if (!fs::is_regular_file(scan.file, code)) return scan.file.filename().string() + " is not there any more";

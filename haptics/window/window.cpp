@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "scene/repeated_read.h"
 #include "scene/scene.h"
 #include "scene/touched_view.h"
 #include "scene/window_lattice.h"
@@ -113,8 +114,8 @@ HapticWindow load_window(const scene::Scene& scene, const WindowPlan& plan, std:
   options.beyond = plan.beyond;
   options.margin = scene::margin_of(description, view_of(plan));
   const int more = 2 * options.margin;
-  const scene::Layers layers =
-      scene.read(plan.level, plan.i0 - options.margin, plan.j0 - options.margin, plan.nx + more, plan.ny + more);
+  const scene::Layers layers = scene::read_repeated(scene, plan.level, plan.i0 - options.margin,
+                                                    plan.j0 - options.margin, plan.nx + more, plan.ny + more);
   options.effects = plan.effects;
   options.id = id;
   options.surface_effects = make_effects(scene, plan, layers.grid);

@@ -292,6 +292,10 @@ BuildResult build_scene(const scene::Config& given, const BuildOptions& options,
     config.orientation.face_up.reset();
     config.orientation.scan_to_grid = scans.scan_to_grid;
   }
+  if (scans.unroll) {
+    config.unroll = scans.unroll;
+    config.orientation.scan_to_grid = scans.scan_to_grid;
+  }
   if (config.audio && config.audio->find_pillars) {
     progress.begin("pillars");
     // Regions are written in the frame of the configuration, however the object has been turned since.

@@ -14,7 +14,9 @@
 
 #include "base/error.h"
 #include "base/system.h"
+#include "pipeline/build/measured_points.h"
 #include "pipeline/build/point_worth.h"
+#include "pipeline/build/unrolled.h"
 #include "pipeline/filter/filter.h"
 #include "pipeline/filter/streamed.h"
 #include "pipeline/filter/voxel.h"
@@ -25,45 +27,11 @@
 #include "pipeline/outofcore/tiled_check.h"
 #include "pipeline/outofcore/tiled_projection.h"
 #include "pipeline/projection/projector.h"
+#include "pipeline/scan/sampled_faces.h"
 #include "pipeline/scan/set.h"
 
 namespace sparsha::pipeline {
 namespace {
-
-// What became of a point that an outlier filter took away: the cross-check counts it unless the view does not see it.
-PointClass class_of(const Eigen::Vector3d& grid_point_m, const scene::DepthGrid& grid, double gap_m) {
-  const scene::Lattice& lattice = grid.lattice;
-  const double u = (grid_point_m.x() - lattice.origin_m.x()) / lattice.spacing_m;
-  const double v = (grid_point_m.y() - lattice.origin_m.y()) / lattice.spacing_m;
-  if (!(u >= -0.5 && v >= -0.5 && u <= lattice.nx - 0.5 && v <= lattice.ny - 0.5)) return PointClass::outside;
-  const int i = std::clamp(static_cast<int>(std::lround(u)), 0, lattice.nx - 1);
-  const int j = std::clamp(static_cast<int>(std::lround(v)), 0, lattice.ny - 1);
-  const auto height = static_cast<double>(grid.height_m[lattice.index(i, j)]);
-  const double depth = lattice.origin_m.z() + height - grid_point_m.z();
-  return depth > gap_m ? PointClass::occluded : PointClass::outlier;  // an unknown height occludes nothing
-}
-
-// The cross-check judges the surface by the points as measured: what a filter moved goes back.
-void restore_measured(Cloud& cloud) {
-  for (std::size_t n = 0; n < cloud.measured.size(); ++n) {
-    std::copy_n(cloud.measured[n].data(), 3, cloud.xyz1() + 4 * n);
-  }
-  cloud.measured = {};
-}
-
-// Puts points that filters took for outliers back before the cross-check, which must judge the surface by all of them.
-void add_outliers(Cloud& cloud, const Cloud& removed, const Eigen::Matrix4d& scan_to_grid, Projection& projection) {
-  const std::size_t first = cloud.size();
-  if (removed.size() == 0) return;
-  cloud.resize_points(first + removed.size());
-  for (std::size_t n = 0; n < removed.size(); ++n) {
-    const float* point = removed.xyz1() + 4 * n;
-    std::copy_n(point, 3, cloud.xyz1() + 4 * (first + n));
-    const Eigen::Vector3d scan = removed.origin_m + Eigen::Map<const Eigen::Vector3f>(point).cast<double>();
-    const Eigen::Vector3d grid = (scan_to_grid * scan.homogeneous()).head<3>();
-    projection.point_class.push_back(class_of(grid, projection.grid, projection.gap_m));
-  }
-}
 
 Error no_points(const scene::Config& config) {
   return input_error(config.scans.front().file.string(), "there are no points to build from",
@@ -94,6 +62,15 @@ ScanPart part_of(const std::vector<scene::FilterConfig>& filters, bool force) {
     part.box->max_m = part.box->max_m.cwiseMin(crop->max_m);
   }
   return part;
+}
+
+// Points on faces, of a mesh that is seen from all sides: how far they lie apart, in spacings of its grid; and the
+// seeds of two samples that have no point in common.
+constexpr double kOfSpacing = 0.8;
+constexpr std::uint64_t kChartSeed = 1, kCheckSeed = 2;
+
+double scale_of(const Eigen::Matrix4d& scan_to_grid) {
+  return std::cbrt(std::abs(scan_to_grid.topLeftCorner<3, 3>().determinant()));
 }
 
 // Bytes per point that bytes_in_memory() allows for its projection.
@@ -146,7 +123,7 @@ class Builder {
     }
     count_unread(scans.unread());
     result_.sources = scans.sources();
-    result_.scan_to_grid = scan_to_grid_;
+    result_.scan_to_grid = unrolled_ ? unrolled_->scan_to_grid : scan_to_grid_;
     return std::move(result_);
   }
 
@@ -174,6 +151,7 @@ class Builder {
     return !options_.grid_only && config_.audio && config_.audio->find_pillars;
   }
   [[nodiscard]] bool around() const { return !options_.grid_only && config_.around.has_value(); }
+  [[nodiscard]] bool unrolls() const { return config_.unroll.has_value(); }
   [[nodiscard]] bool checks() const { return !options_.grid_only && config_.check.has_value(); }
 
   [[nodiscard]] std::uint64_t node_bytes(const ScanSet& scans, const scene::Lattice& lattice) const {
@@ -219,10 +197,12 @@ class Builder {
     }
     cloud->stations = stations;  // filters make new clouds
     if (!filters_.empty() || finds_pillars() || !oriented_) use_sample(sample_of_kept(*cloud).points(), stations);
+    if (unrolls()) lay_flat(*cloud, *removed);
     progress_.begin("project");
     result_.triangles = cloud->faces.size();
     result_.projection =
         project(*cloud, scan_to_grid_, grid_, config_.haptics.resolution_m, {pool_, progress_}, approve);
+    if (unrolled_) uncount_repeated(unrolled_->points, result_.projection);
     // The noise is that of the points as measured; a mesh has none.
     double& noise_m = result_.projection.noise_m;
     if (!result_.projection.only_mesh) noise_m = std::hypot(noise_m, moved_rms_m);
@@ -231,7 +211,10 @@ class Builder {
     result_.check_charts = [&config = config_, &pool = pool_, &progress = progress_, scan_to_grid = scan_to_grid_,
                             cloud](const scene::Charts& charts) {
       restore_measured(*cloud);
-      return check_charts(*cloud, scan_to_grid, charts, *config.check, {pool, progress});
+      if (cloud->faces.empty()) return check_charts(*cloud, scan_to_grid, charts, *config.check, {pool, progress});
+      const double spacing_m = kOfSpacing * charts.spacing_m / scale_of(scan_to_grid);
+      return check_charts(sample_faces(*cloud, spacing_m, kCheckSeed), scan_to_grid, charts, *config.check,
+                          {pool, progress});
     };
     auto classes = std::make_shared<Projection>();
     classes->point_class = std::move(result_.projection.point_class);
@@ -249,16 +232,31 @@ class Builder {
     };
   }
 
+  // From here on what is a scan is laid flat, in the grid's frame.
+  void lay_flat(Cloud& cloud, Cloud& removed) {
+    progress_.begin("unroll");
+    unrolled_ = unroll_cloud(cloud, sample_of_kept(cloud).points(), config_, grid_, {pool_, progress_});
+    unroll_points(removed, scene::Unrolling(unrolled_->unroll, unrolled_->scan_to_grid));
+    grid_ = unrolled_->grid;
+    scan_to_grid_ = Eigen::Matrix4d::Identity();
+    result_.unroll = unrolled_->unroll;
+    result_.orientation = unrolled_->reason;
+  }
+
   void make_charts_of(const Cloud& cloud) {
     progress_.begin("charts");
-    if (!cloud.faces.empty()) {
-      throw usage_error("around: a scan with faces cannot be looked at from all sides yet",
-                        "scans of points, or no block 'around'");
-    }
     if (grid_.bounds_m) {
       progress_.warn("grid.bounds_m bounds the front view alone; the filter 'crop' bounds the whole object");
     }
-    result_.charts = make_charts(cloud, scan_to_grid_, grid_, config_.haptics.resolution_m, {pool_, progress_});
+    if (cloud.faces.empty()) {
+      result_.charts = make_charts(cloud, scan_to_grid_, grid_, config_.haptics.resolution_m, {pool_, progress_});
+      return;
+    }
+    scene::GridConfig grid = grid_;
+    if (grid.size == 0) grid.spacing_m = result_.projection.grid.lattice.spacing_m;
+    const double spacing_m = result_.projection.grid.lattice.spacing_m / scale();
+    result_.charts = make_charts(sample_faces(cloud, kOfSpacing * spacing_m, kChartSeed), scan_to_grid_, grid,
+                                 config_.haptics.resolution_m, {pool_, progress_});
   }
 
   void add_steps(FilterSteps&& steps) {
@@ -308,7 +306,7 @@ class Builder {
     }
     return grid_.spacing_m / scale();
   }
-  [[nodiscard]] double scale() const { return std::cbrt(std::abs(scan_to_grid_.topLeftCorner<3, 3>().determinant())); }
+  [[nodiscard]] double scale() const { return scale_of(scan_to_grid_); }
 
   // Before memory is taken for what cannot be there: a system that grants more than it has kills the program later.
   static void require_room(const scene::Lattice& lattice, std::uint64_t bytes) {
@@ -413,12 +411,12 @@ class Builder {
   }
 
   void build_out_of_core(const ScanSet& scans) {
-    if (around()) {
-      throw Error(
-          ErrorKind::failure, {},
-          fmt::format("around: {} points do not fit the memory limit, and a whole object is built in memory only",
-                      scans.points()),
-          "a higher --memory, a voxel filter, or no block 'around'");
+    if (around() || unrolls()) {
+      const std::string block = around() ? "around" : "unroll";
+      throw Error(ErrorKind::failure, {},
+                  fmt::format("{}: {} points do not fit the memory limit, and {} is built in memory only", block,
+                              scans.points(), around() ? "a whole object" : "an unrolled one"),
+                  "a higher --memory, a voxel filter, or no block '" + block + "'");
     }
     require_room_by_sample(scans);
     progress_.begin("points to disk");
@@ -462,6 +460,7 @@ class Builder {
   ThreadPool& pool_;
   Progress& progress_;
   Eigen::Matrix4d scan_to_grid_;
+  std::optional<UnrolledCloud> unrolled_;
   bool oriented_ = true;
   bool z_up_ = false;
   scene::GridConfig grid_;

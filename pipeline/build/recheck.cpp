@@ -94,6 +94,7 @@ scene::Config config_of_check(const scene::SceneDescription& scene, ScansToCheck
     config.grid.noise_m = scene.config.grid.noise_m;
   }
   config.orientation.scan_to_grid = scene.config.orientation.scan_to_grid;
+  config.unroll = scene.config.unroll;
   const scene::Lattice& base = scene.levels.front();
   config.grid.spacing_m = base.spacing_m;
   config.grid.bounds_m = {base.x_m(0), base.y_m(0), base.x_m(base.nx - 1), base.y_m(base.ny - 1)};

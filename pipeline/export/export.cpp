@@ -66,8 +66,8 @@ void export_scene(const scene::Scene& scene, const std::filesystem::path& file, 
   }
   if (is_raster(ending)) {
     const scene::SceneDescription& description = scene.description();
-    write_file(world_file_of(file), scene::world_file(description.levels.at(0), description.scan_from_grid));
-    if (!scene::keeps_scan_axes(description.scan_from_grid)) {
+    write_file(world_file_of(file), scene::world_file(description.levels.at(0), description));
+    if (!scene::keeps_scan_axes(description)) {
       progress.warn(shown + ": x and y are not the scan's axes, so the raster is in the scene's grid frame");
     }
   }

@@ -15,10 +15,10 @@ namespace {
 Eigen::Vector3d middle_of(const scene::Scene& scene) {
   const scene::SceneDescription& description = scene.description();
   const scene::Lattice& lattice = description.levels.at(0);
-  const Eigen::Vector4d grid(0.5 * (lattice.x_m(0) + lattice.x_m(lattice.nx - 1)),
+  const Eigen::Vector3d grid(0.5 * (lattice.x_m(0) + lattice.x_m(lattice.nx - 1)),
                              0.5 * (lattice.y_m(0) + lattice.y_m(lattice.ny - 1)),
-                             0.5 * (description.height_min_m + description.height_max_m), 1.0);
-  return (description.scan_from_grid * grid).head<3>().array().round();
+                             0.5 * (description.height_min_m + description.height_max_m));
+  return NodeRows(scene, false).scan_m(grid).array().round();
 }
 
 /// glTF's colours of vertices are light, not sRGB (IEC 61966-2-1).

@@ -2,13 +2,32 @@
 #include "pipeline/export/node_rows.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include "scene/scene.h"
 
 namespace sparsha::pipeline {
 
 NodeRows::NodeRows(const scene::Scene& scene, bool measured_only)
-    : scene_(scene), measured_only_(measured_only), lattice_(scene.description().levels.at(0)) {}
+    : scene_(scene), measured_only_(measured_only), lattice_(scene.description().levels.at(0)) {
+  const scene::SceneDescription& description = scene.description();
+  if (description.config.unroll)
+    unrolling_.emplace(*description.config.unroll, description.config.orientation.scan_to_grid);
+}
+
+Eigen::Vector3d NodeRows::scan_m(const Eigen::Vector3d& grid_m) const {
+  if (unrolling_) return unrolling_->scan(grid_m);
+  const Eigen::Matrix4d& m = scene_.description().scan_from_grid;
+  return m.topLeftCorner<3, 3>() * grid_m + m.topRightCorner<3, 1>();
+}
+
+bool NodeRows::once_around(int i, int j) const {
+  if (!unrolling_) return true;
+  // Half a cell beyond the seam, so that no gap is left there.
+  const double x_m = lattice_.x_m(i), y_m = lattice_.y_m(j);
+  const double nearer_m = std::abs(x_m) - 0.5 * lattice_.spacing_m;
+  return nearer_m <= 0.0 || std::abs(unrolling_->angle({std::copysign(nearer_m, x_m), y_m, 0.0})) <= std::numbers::pi;
+}
 
 std::size_t NodeRows::locate(int i, int j) {
   if (j < first_ || j >= first_ + rows_) {
@@ -20,6 +39,7 @@ std::size_t NodeRows::locate(int i, int j) {
 }
 
 bool NodeRows::known(int i, int j) {
+  if (!once_around(i, j)) return false;
   const scene::NodeState state = band_.grid.state[locate(i, j)];
   return measured_only_ ? state == scene::NodeState::measured : state != scene::NodeState::unknown;
 }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "base/progress.h"
 #include "scene/depth_grid.h"
 #include "scene/scene.h"
+#include "scene/unrolling.h"
 
 namespace sparsha::pipeline {
 
@@ -25,15 +27,20 @@ class NodeRows {
   [[nodiscard]] bool known(int i, int j);
   /// Node (i, j) in the grid frame, metres.
   [[nodiscard]] Eigen::Vector3d grid_m(int i, int j);
+  /// A place of the grid frame in the scan frame, metres.
+  [[nodiscard]] Eigen::Vector3d scan_m(const Eigen::Vector3d& grid_m) const;
   /// 0xAABBGGRR; scenes with colour only.
   [[nodiscard]] std::uint32_t rgba(int i, int j);
 
  private:
   static constexpr int kBand = 256;  // rows
   std::size_t locate(int i, int j);
+  /// Of an unrolled scene, whether column and row lie once around, and not in what is repeated beyond the seam.
+  [[nodiscard]] bool once_around(int i, int j) const;
 
   const scene::Scene& scene_;
   bool measured_only_;
+  std::optional<scene::Unrolling> unrolling_;
   scene::Lattice lattice_;
   int first_ = 0, rows_ = 0;  // of the band in memory
   scene::Layers band_;
@@ -52,15 +59,13 @@ template <typename Vertex>
 void for_each_vertex(const scene::Scene& scene, bool nodes_only, Progress& progress, Vertex&& vertex) {
   NodeRows rows(scene, nodes_only);
   const scene::Lattice& lattice = rows.lattice();
-  const Eigen::Matrix4d& m = scene.description().scan_from_grid;
   const bool colour = scene.description().has_colour;
   for (int j = 0; j < lattice.ny; ++j) {
     if (j % 64 == 0) progress.at(static_cast<double>(j) / lattice.ny);
     for (int i = 0; i < lattice.nx; ++i) {
       if (!rows.known(i, j)) continue;
       const Eigen::Vector3d p = rows.grid_m(i, j);
-      vertex(Eigen::Vector3d(m.topLeftCorner<3, 3>() * p + m.topRightCorner<3, 1>()),
-             colour ? rows.rgba(i, j) : std::uint32_t{0});
+      vertex(rows.scan_m(p), colour ? rows.rgba(i, j) : std::uint32_t{0});
     }
   }
 }

@@ -66,7 +66,7 @@ PngFormat format_of(const scene::Lattice& lattice, double low, double step) {
 
 double raster_height(const scene::Scene& scene, const Eigen::Vector3d& grid_m) {
   const Eigen::Matrix4d& m = scene.description().scan_from_grid;
-  if (!scene::keeps_scan_axes(m)) return grid_m.z();
+  if (!scene::keeps_scan_axes(scene.description())) return grid_m.z();
   return m(2, 0) * grid_m.x() + m(2, 1) * grid_m.y() + m(2, 2) * grid_m.z() + m(2, 3);
 }
 

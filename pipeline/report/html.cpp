@@ -345,7 +345,7 @@ std::string grid_table(const scene::SceneDescription& scene) {
   if (!scene.levels.empty()) {
     const Eigen::Vector3d& o = scene.levels.front().origin_m;
     html += fmt::format("<p>{} Origin of the grid: x {:.4f}\u202Fm, y {:.4f}\u202Fm, z {:.4f}\u202Fm.</p>",
-                        scene::keeps_scan_axes(scene.scan_from_grid)
+                        scene::keeps_scan_axes(scene)
                             ? "The grid keeps the scan's own axes, so the layers' world files place them on its map."
                             : "The object is looked at from a direction of its own: the layers' world files hold local "
                               "coordinates, not the scan's.",

@@ -109,7 +109,7 @@ std::string report_json(const scene::Scene& scene, const Report& report) {
       {"spacing_m", number(lattice.spacing_m)},
       {"levels", description.levels.size()},
       {"origin_m", {number(lattice.origin_m.x()), number(lattice.origin_m.y()), number(lattice.origin_m.z())}},
-      {"axes", scene::keeps_scan_axes(description.scan_from_grid) ? "scan" : "local"}};
+      {"axes", scene::keeps_scan_axes(description) ? "scan" : "local"}};
   json["size_m"] = {number((lattice.nx - 1) * lattice.spacing_m), number((lattice.ny - 1) * lattice.spacing_m),
                     number(description.height_max_m - description.height_min_m)};
   json["coverage"] = number(report.coverage);

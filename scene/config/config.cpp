@@ -446,6 +446,7 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
     config.around = AroundConfig{};
     if (node->kind != Node::Kind::null) MapReader(*node, "around").finish();
   }
+  if (const Node* node = reader.optional("unroll")) config.unroll = parse_unroll(*node, config);
   if (const Node* node = reader.optional("fill")) {
     config.fill = FillConfig{};
     if (node->kind != Node::Kind::null) {

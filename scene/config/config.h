@@ -19,6 +19,7 @@
 #include "scene/config/registration.h"
 #include "scene/config/scans.h"
 #include "scene/config/speech.h"
+#include "scene/config/unroll.h"
 #include "scene/config/viewer.h"
 
 namespace sparsha::yaml {
@@ -34,6 +35,7 @@ struct Config {
   OrientationConfig orientation;
   GridConfig grid;
   std::optional<AroundConfig> around;
+  std::optional<UnrollConfig> unroll;
   std::optional<FillConfig> fill;
   std::optional<TextureConfig> texture;
   std::optional<FrictionConfig> friction;

@@ -15,8 +15,11 @@
 #include "scene/config/cues.h"
 #include "scene/config/filters.h"
 #include "scene/config/guide.h"
+#include "scene/config/unroll.h"
 
 namespace sparsha::scene {
+
+struct Config;
 
 constexpr double kAny = 1e12;        // widest coordinate that is accepted, metres
 constexpr double kSmallest = 1e-12;  // smallest length that is accepted, in the key's unit
@@ -49,6 +52,11 @@ int exclusive(yaml::MapReader& reader, const std::vector<std::string>& keys);
 
 /// The block `filters`.
 [[nodiscard]] std::vector<FilterConfig> parse_filters(const yaml::Node& node);
+
+/// The block `unroll`. `before`: the blocks `orientation`, `grid` and `around`, some of which mean something else, or
+/// nothing, on an unrolled mantle.
+[[nodiscard]] UnrollConfig parse_unroll(const yaml::Node& node, const Config& before);
+[[nodiscard]] std::string unroll_text(const UnrollConfig& unroll);
 
 /// The block `audio`.
 [[nodiscard]] AudioConfig parse_audio(const yaml::Node& node, const std::filesystem::path& folder);

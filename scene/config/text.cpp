@@ -9,6 +9,7 @@
 #include "base/text.h"
 #include "base/yaml_text.h"
 #include "scene/config/config.h"
+#include "scene/config/reader.h"
 #include "scene/config/text_editor.h"
 
 namespace sparsha::scene {
@@ -279,6 +280,7 @@ std::string to_yaml(const Config& config) {
   text += orientation_text(config.orientation);
   text += grid_text(config.grid);
   if (config.around) text += "around: {}\n";
+  if (config.unroll) text += unroll_text(*config.unroll);
   if (config.fill) text += "fill: {max_gap_mm: " + millimetres(config.fill->max_gap_m) + "}\n";
   if (config.texture) {
     text += fmt::format("texture: {{sigma_space_mm: {}, sigma_range_mm: {}, method: {}}}\n",

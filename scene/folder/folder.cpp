@@ -350,7 +350,7 @@ void write_level(const Layers& layers, const SceneDescription& scene, const fs::
   const int nx = lattice.nx;
   const int ny = lattice.ny;
   write_layer(folder / "height.tif", nx, ny, std::span<const float>(layers.grid.height_m));
-  write_file(folder / "height.tfw", world_file(lattice, scene.scan_from_grid));
+  write_file(folder / "height.tfw", world_file(lattice, scene));
   static_assert(sizeof(NodeState) == 1, "a mask is the states' bytes");
   const auto* mask = reinterpret_cast<const std::uint8_t*>(layers.grid.state.data());
   write_layer(folder / "mask.tif", nx, ny, std::span<const std::uint8_t>(mask, lattice.count()));

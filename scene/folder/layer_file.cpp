@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "scene/folder/tiff_file.h"
+#include "scene/scene.h"
 
 namespace sparsha::scene {
 namespace {
@@ -190,7 +191,9 @@ void read_layer(const std::filesystem::path& file, const LayerRegion& region, st
              });
 }
 
-bool keeps_scan_axes(const Eigen::Matrix4d& scan_from_grid) {
+bool keeps_scan_axes(const SceneDescription& scene) {
+  if (scene.config.unroll) return false;
+  const Eigen::Matrix4d& scan_from_grid = scene.scan_from_grid;
   const double scale = scan_from_grid(0, 0);
   const double slack = 1e-12 * std::abs(scale);
   return scale > 0.0 && std::abs(scan_from_grid(1, 1) - scale) <= slack && std::abs(scan_from_grid(0, 1)) <= slack &&
@@ -198,11 +201,12 @@ bool keeps_scan_axes(const Eigen::Matrix4d& scan_from_grid) {
          std::abs(scan_from_grid(1, 2)) <= slack;
 }
 
-std::string world_file(const Lattice& lattice, const Eigen::Matrix4d& scan_from_grid) {
+std::string world_file(const Lattice& lattice, const SceneDescription& scene) {
+  const Eigen::Matrix4d& scan_from_grid = scene.scan_from_grid;
   double scale = 1.0;
   double x = lattice.x_m(0);
   double y = lattice.y_m(lattice.ny - 1);
-  if (keeps_scan_axes(scan_from_grid)) {
+  if (keeps_scan_axes(scene)) {
     scale = scan_from_grid(0, 0);
     x = scale * x + scan_from_grid(0, 3);
     y = scale * y + scan_from_grid(1, 3);

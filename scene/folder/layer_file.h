@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "scene/depth_grid.h"
+#include "scene/scene_fwd.h"
 
 namespace sparsha::scene {
 
@@ -38,8 +39,8 @@ void read_layer(const std::filesystem::path& file, const LayerRegion& region, st
 
 /// The six lines of a world file for `lattice`: A, D, B, E, C, F with C, F the centre of the top-left pixel = node
 /// (0, ny-1) and E < 0. In the scan frame when x and y stay the scan's axes, else in the grid frame.
-[[nodiscard]] std::string world_file(const Lattice& lattice, const Eigen::Matrix4d& scan_from_grid);
-/// True when grid x and y point along scan x and y with one positive scale.
-[[nodiscard]] bool keeps_scan_axes(const Eigen::Matrix4d& scan_from_grid);
+[[nodiscard]] std::string world_file(const Lattice& lattice, const SceneDescription& scene);
+/// True when grid x and y point along scan x and y with one positive scale; never of an unrolled scene.
+[[nodiscard]] bool keeps_scan_axes(const SceneDescription& scene);
 
 }  // namespace sparsha::scene

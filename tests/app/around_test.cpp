@@ -116,5 +116,44 @@ TEST_F(Program, ExportsOneClosedMeshOfAWholeObject) {
   EXPECT_EQ(run(to("ball.glb") + "--haptics").code, 2);
 }
 
+TEST_F(Program, LooksAtAMeshOfTwelveTrianglesFromAllSides) {
+  // A box of 60 x 40 x 50 mm.
+  const double half[3] = {0.03, 0.02, 0.025};
+  std::ofstream mesh(folder_ / "box.obj");
+  for (int k = 0; k < 8; ++k)
+    mesh << "v " << (k & 1 ? half[0] : -half[0]) << ' ' << (k & 2 ? half[1] : -half[1]) << ' '
+         << (k & 4 ? half[2] : -half[2]) << '\n';
+  for (const char* face :
+       {"1 3 4", "1 4 2", "5 6 8", "5 8 7", "1 2 6", "1 6 5", "3 7 8", "3 8 4", "1 5 7", "1 7 3", "2 4 8", "2 8 6"})
+    mesh << "f " << face << '\n';
+  mesh.close();
+  write("box.yaml", "scans: [{file: box.obj, units: m}]\ngrid: {spacing_mm: 1}\ncheck: {}\naround: {}\n");
+  const Outcome built = run("build box.yaml --out scene");
+  ASSERT_EQ(built.code, 0) << built.err;
+  const auto around = nlohmann::json::parse(text_of(folder_ / "scene" / "report.json"))["around"];
+  EXPECT_EQ(around["sheets"].get<int>(), 6);
+  EXPECT_LT(around["check"]["cloud_to_surface"]["median_m"].get<double>(), 1e-6);
+  EXPECT_EQ(around["check"]["far"].get<int>(), 0);
+  ASSERT_EQ(run("export scene --nodes --to nodes.xyz").code, 0);
+  std::ifstream nodes(folder_ / "nodes.xyz");
+  int on_side[6] = {}, rounded = 0;  // at edges, by less than half a spacing
+  for (std::string line; std::getline(nodes, line);) {
+    double p[3];
+    std::istringstream fields(line);
+    ASSERT_TRUE(fields >> p[0] >> p[1] >> p[2]) << line;
+    int side = -1;
+    for (int axis = 0; axis < 3; ++axis) {
+      ASSERT_LT(std::abs(p[axis]), half[axis] + 5e-4);
+      if (std::abs(std::abs(p[axis]) - half[axis]) < 1e-4) side = 2 * axis + (p[axis] > 0 ? 1 : 0);
+    }
+    ++(side >= 0 ? on_side[side] : rounded);
+  }
+  EXPECT_LT(rounded, 800);
+  for (int side = 0; side < 6; ++side) {
+    const double nodes_of = 4e6 * half[(side / 2 + 1) % 3] * half[(side / 2 + 2) % 3];
+    EXPECT_NEAR(on_side[side], nodes_of, 0.15 * nodes_of) << side;
+  }
+}
+
 }  // namespace
 }  // namespace sparsha
