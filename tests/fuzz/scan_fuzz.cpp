@@ -27,9 +27,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   std::string bytes(reinterpret_cast<const char*>(data), size);
   if (bytes.rfind("ASTM-E57", 0) == 0) mend_checksums(bytes);
-  // Columns that a configuration names, one time in four.
+  // One time in four each: columns that a configuration names, some levels or whole chunks only, and a region.
   sparsha::pipeline::ReadOptions options;
-  if (data[size - 1] >> 6 == 1) options.columns = {"skip", "x", "y", "z", "skip", "red", "green", "blue"};
+  const int choice = data[size - 1] >> 6;
+  if (choice == 1) options.columns = {"skip", "x", "y", "z", "skip", "red", "green", "blue"};
+  if (choice == 2) {
+    options.enough = size % 2 == 0 ? 30 : 0;
+    options.whole_chunks_only = size % 2 == 1;
+  }
+  if (choice == 3) options.region = [](const auto& low, const auto&, const auto&) { return low.x() < 4.0; };
   try {
     const auto scan = sparsha::pipeline::read_scan_bytes(bytes, kNames[data[size - 1] % kNames.size()], options);
     if (scan.points.size() + scan.invalid != scan.records) __builtin_trap();

@@ -193,6 +193,7 @@ void read_ply(const ScanFile& file, ScanWriter& out) {
   }
   out.expect_mesh(vertex->count, faces);
   const Paint paint = ply::paint_of(file, header, out);
+  if (paint.any() && !columns.has_colour()) scan.fields.insert(scan.fields.end(), {"red", "green", "blue"});
   out.begin(vertex->count, columns.has_colour() || paint.any(), columns.intensity >= 0, columns.has_normals());
   ascii ? ply::read_ascii_body(file, header, paint, out) : ply::read_binary_body(file, header, paint, out);
 }

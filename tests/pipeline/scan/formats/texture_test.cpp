@@ -298,6 +298,7 @@ TEST(PlyTexture, BecomesTheColourOfVertices) {
     const RawScan by_faces = folder.read("a.ply", ply_of(ascii, true));
     EXPECT_THAT(by_faces.rgba, ElementsAre(kBlue, kWhite, kGreen, kRed)) << ascii;
     EXPECT_THAT(by_faces.warnings, IsEmpty());
+    EXPECT_EQ(by_faces.fields.back(), "blue");
     EXPECT_THAT(by_faces.notes, ElementsAre("PLY: texture none.png", "PLY: texture a.png"));
     // Coordinates of vertices lie on the first picture, which is not there.
     std::string by_vertices = ply_of(ascii, false);
