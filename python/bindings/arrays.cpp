@@ -25,7 +25,7 @@ std::string shape_text(const py::array& array) {
 py::array checked(const py::handle& given, const std::string& name, int columns, const char* kinds, const char* what,
                   std::size_t bytes_per_number) {
   if (given.is_none()) throw py::type_error(name + " is None; expected an array of " + what);
-  const py::array array = py::array::ensure(given);
+  py::array array = py::array::ensure(given);
   if (!array) {
     PyErr_Clear();
     throw py::type_error(name + " cannot be made an array; expected an array of " + what);

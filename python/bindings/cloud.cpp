@@ -132,7 +132,7 @@ void set_fields(Cloud& cloud, const py::dict& fields) {
 CloudPointer cloud_of_arrays(const py::object& points, const py::object& origin, const py::object& colour,
                              const py::object& intensity, const py::object& normals, const py::object& faces,
                              const py::dict& fields) {
-  const auto cloud = std::make_shared<Cloud>();
+  auto cloud = std::make_shared<Cloud>();
   set_points(*cloud, rows_of(points, "points", 3), origin);
   set_colour(*cloud, colour);
   if (!intensity.is_none()) cloud->intensity = one_a_point(*cloud, intensity, "intensity");

@@ -7,6 +7,7 @@
 #include <new>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -165,7 +166,7 @@ void translate_errors() {
   py::register_exception_translator([](std::exception_ptr pointer) {
     if (!pointer) return;
     try {
-      std::rethrow_exception(pointer);
+      std::rethrow_exception(std::move(pointer));
     } catch (const Error& error) {
       set_exception(error);
     }

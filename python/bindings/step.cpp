@@ -138,8 +138,8 @@ PyObject* step(PyObject* self, PyObject* const* arguments, Py_ssize_t count) {
   return pair;
 }
 
-PyMethodDef kStep{"step", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(&step)), METH_FASTCALL,
-                  R"(step($self, hip, /)
+PyMethodDef step_method{"step", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(&step)), METH_FASTCALL,
+                        R"(step($self, hip, /)
 --
 
 One tick: a place of the hand to (proxy, force), two arrays (3,) float64.
@@ -152,7 +152,7 @@ starts the proxy above or at the hand; each goes on from the one before. Raises 
 
 void add_step(const py::class_<Renderer>& renderer) {
   static_cast<void>(numpy());
-  PyObject* const method = PyDescr_NewMethod(reinterpret_cast<PyTypeObject*>(renderer.ptr()), &kStep);
+  PyObject* const method = PyDescr_NewMethod(reinterpret_cast<PyTypeObject*>(renderer.ptr()), &step_method);
   if (method == nullptr) throw py::error_already_set();
   py::setattr(renderer, "step", py::reinterpret_steal<py::object>(method));
 }
