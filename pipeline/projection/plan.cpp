@@ -103,8 +103,15 @@ UnevenSurface uneven_surface(const OrientedPieces& pieces, const Extent& extent,
     result.times *= 2.0;
     const SurfaceStatistics wide =
         surface_statistics(pieces, extent, result.times * spacing_m, on_lines, pool, kSparse * spacing_m);
-    // Scattered points are sparse, too, but have no planes.
-    if (result.times == 2.0 && wide.sparse_flat_share < kSparseFlat * sparse_share) return {result.surface};
+    // Scattered points are sparse, too, but have no planes. Where most have none four times as wide either, they are
+    // not a surface that is sparser yet: discs miss nothing there.
+    if (result.times == 2.0 && wide.sparse_flat_share < kSparseFlat * sparse_share) {
+      const SurfaceStatistics widest =
+          surface_statistics(pieces, extent, kWidestTimes * spacing_m, on_lines, pool, kSparse * spacing_m);
+      const double flat = widest.sparse_flat_share, others = widest.sparse_rough_share + widest.sparse_share;
+      if (flat < kSparseFlat * (flat + others)) result.surface.sparse_share = wide.sparse_flat_share;
+      return {result.surface};
+    }
     sparse_share = wide.flat ? wide.sparse_share : 1.0;
   }
   if (result.times > 1.0) result.wider_share = result.surface.sparse_share;

@@ -125,13 +125,14 @@ std::vector<Block> draw_blocks(const OrientedPieces& pieces, const Extent& exten
 }
 
 struct Measured {
-  std::vector<double> noise_m, spacing_m, front_spacing_m, flat_spacing_m;
+  std::vector<double> noise_m, spacing_m, front_spacing_m, flat_spacing_m, rough_spacing_m;
   std::size_t seeds = 0;
 
   void add(const Measured& other) {
     seeds += other.seeds;
     noise_m.insert(noise_m.end(), other.noise_m.begin(), other.noise_m.end());
     flat_spacing_m.insert(flat_spacing_m.end(), other.flat_spacing_m.begin(), other.flat_spacing_m.end());
+    rough_spacing_m.insert(rough_spacing_m.end(), other.rough_spacing_m.begin(), other.rough_spacing_m.end());
     spacing_m.insert(spacing_m.end(), other.spacing_m.begin(), other.spacing_m.end());
     front_spacing_m.insert(front_spacing_m.end(), other.front_spacing_m.begin(), other.front_spacing_m.end());
   }
@@ -217,6 +218,8 @@ Measured measure_block(const std::vector<BlockPoint>& block, double margin_m, st
     if (noise_m) {
       measured.noise_m.push_back(*noise_m);
       measured.flat_spacing_m.push_back(measured.spacing_m.back());
+    } else if (taken == wanted) {
+      measured.rough_spacing_m.push_back(measured.spacing_m.back());
     }
   }
   return measured;
@@ -246,9 +249,12 @@ SurfaceStatistics surface_statistics(const OrientedPieces& pieces, const Extent&
       result.spacing_m = quantile(all.spacing_m, 0.5);
       const bool enough = all.front_spacing_m.size() >= kFew;
       result.front_spacing_m = enough ? quantile(all.front_spacing_m, 0.5) : result.spacing_m;
-      const auto sparse_flat =
-          std::count_if(all.flat_spacing_m.begin(), all.flat_spacing_m.end(), [&](double s) { return s > sparse_m; });
-      result.sparse_flat_share = static_cast<double>(sparse_flat) / static_cast<double>(all.seeds);
+      const auto share_of_sparse = [&](const std::vector<double>& apart_m) {
+        const auto sparse = std::count_if(apart_m.begin(), apart_m.end(), [&](double s) { return s > sparse_m; });
+        return static_cast<double>(sparse) / static_cast<double>(all.seeds);
+      };
+      result.sparse_flat_share = share_of_sparse(all.flat_spacing_m);
+      result.sparse_rough_share = share_of_sparse(all.rough_spacing_m);
       result.sparse_share = 1.0 - static_cast<double>(all.spacing_m.size()) / static_cast<double>(all.seeds);
     }
     if (2 * all.noise_m.size() >= all.spacing_m.size() && all.noise_m.size() >= kFew) {
