@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "pipeline/scan/empty_scan.h"
 #include "pipeline/scan/set.h"
 #include "pipeline/scan/units.h"
 
@@ -120,9 +121,16 @@ ReadPoints read_points(const std::vector<scene::ScanConfig>& scans, const std::s
   std::vector<std::unique_ptr<ScanSet>> sets;
   std::uint64_t meshes = 0, unread = 0;
   for (const scene::ScanConfig& scan : scans) {
-    sets.push_back(std::make_unique<ScanSet>(std::vector{scan}, ScanSet::Keep::disk, false, progress,
-                                             std::vector<std::string>{}, pipeline::MeshRefusal{},
-                                             pipeline::ScanPart{{}, at_most}));
+    try {
+      sets.push_back(std::make_unique<ScanSet>(std::vector{scan}, ScanSet::Keep::disk, false, progress,
+                                               std::vector<std::string>{}, pipeline::MeshRefusal{},
+                                               pipeline::ScanPart{{}, at_most}));
+    } catch (const pipeline::EmptyScan& empty) {
+      if (scans.size() == 1) throw;
+      progress.warn(pipeline::left_out_warning(empty));
+      sets.push_back(nullptr);
+      continue;
+    }
     view->total += sets.back()->points();
     unread += sets.back()->unread();
     view->z_up = view->z_up || sets.back()->z_up();
@@ -133,6 +141,7 @@ ReadPoints read_points(const std::vector<scene::ScanConfig>& scans, const std::s
   Collector collector(*view, view->total + meshes * kMeshPoints, at_most);
   view->total += unread;
   for (std::size_t s = 0; s < sets.size(); ++s) {
+    if (!sets[s]) continue;
     collector.begin(sets[s]->origin_m(), static_cast<std::uint8_t>(std::min<std::size_t>(s, 255)));
     if (sets[s]->faces() > 0) {
       collector.add_mesh(sets[s]->load(sets[s]->origin_m(), progress),

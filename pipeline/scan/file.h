@@ -13,6 +13,7 @@
 #include "base/error.h"
 #include "base/files.h"
 #include "base/progress.h"
+#include "pipeline/scan/empty_scan.h"
 
 namespace sparsha::pipeline {
 
@@ -35,6 +36,10 @@ struct ScanFile {
   }
   [[nodiscard]] Error error(std::string wrong, std::string expected = {}) const {
     return input_error(name, std::move(wrong), std::move(expected));
+  }
+  /// Of a sound file that has no points.
+  [[nodiscard]] EmptyScan empty(std::string wrong, std::string expected) const {
+    return {name, std::move(wrong), std::move(expected)};
   }
   [[nodiscard]] Error error_at(int line, std::string wrong, std::string expected = {}) const {
     return input_error_at(name, line, std::move(wrong), std::move(expected));

@@ -47,7 +47,7 @@ void read_binary_by_ending(const ScanFile& file, ScanWriter& out) {
 }
 
 void read_any(const ScanFile& file, ScanWriter& out) {
-  if (file.bytes.empty()) throw file.error("the file is empty", "a scan");
+  if (file.bytes.empty()) throw file.empty("the file is empty", "a scan");
   if (const Format* format = find_format(file, Format::Told::by_signature)) return format->read(file, out);
   refuse_foreign(file);
   if (const Format* format = find_format(file, Format::Told::by_mark)) return format->read(file, out);

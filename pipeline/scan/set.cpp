@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "pipeline/scan/doubts.h"
 #include "pipeline/scan/empty_returns.h"
+#include "pipeline/scan/empty_scan.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/pieces.h"
 #include "pipeline/scan/placement.h"
@@ -186,6 +187,7 @@ struct ScanSet::Scan {
   }
   /// Throws Error{input} when the file has not the points any more that were looked at.
   void for_each_block(const PointSink& sink, Progress& progress) const {
+    if (valid == 0) return;
     std::uint64_t seen = 0;
     const PointSink use = without_empty_returns(sink);
     const auto changed = [&] {
@@ -282,10 +284,10 @@ struct ScanSet::Scan {
     const std::string name = config.file.string();
     for (const std::string& warning : scan->raw.warnings) progress.warn(name + ": " + warning);
     if (scan->valid == 0) {
-      throw input_error(name,
-                        scan->raw.records == 0 ? "the scan has no points"
-                                               : fmt::format("none of the {} points is valid", scan->raw.records),
-                        "at least one finite point");
+      throw EmptyScan(name,
+                      scan->raw.records == 0 ? "the scan has no points"
+                                             : fmt::format("none of the {} points is valid", scan->raw.records),
+                      "at least one finite point");
     }
     scan->placement = place(config, scan->scale(config, progress));
     return scan;
@@ -298,6 +300,7 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
   PointSample sample;
   std::vector<ScanSize> sizes;
   std::vector<std::string> apart;  // what is said of points' pieces
+  std::optional<EmptyScan> empty;  // the first of those without a point
   MeshRefusal refusal_of_all;
   if (mesh_refusal) {
     refusal_of_all = [&](std::uint64_t vertices, std::uint64_t triangles) {
@@ -312,7 +315,16 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
             std::launch::async, [file = config.file, abandoned = abandoned_] { return digest_of(file, *abandoned); }));
       }
       const bool streamed = keep == Keep::disk || is_quick_to_stream(config.file);
-      scans_.push_back(Scan::look_at(config, fields_, streamed, progress, refusal_of_all, part));
+      try {
+        scans_.push_back(Scan::look_at(config, fields_, streamed, progress, refusal_of_all, part));
+      } catch (const EmptyScan& found) {
+        if (scans.size() == 1) throw;
+        progress.warn(left_out_warning(found));
+        if (!empty) empty = found;
+        scans_.push_back(std::make_unique<Scan>());
+        records_.push_back(0);
+        continue;
+      }
       const Scan& scan = *scans_.back();
       records_.push_back(scan.raw.records + scan.raw.unread);
       unread_ += scan.raw.unread;
@@ -331,6 +343,7 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
       const bool has_unit = scan.raw.unit || config.units.unit != scene::LengthUnit::automatic;
       sizes.emplace_back(config.file.string(), placed.points(), scan.valid, has_unit);
     }
+    if (empty && points_ == 0) throw *empty;
     for (const UnitDifference& difference : differing_units(sizes)) progress.warn(difference.reason);
   } catch (...) {
     *abandoned_ = true;
@@ -363,6 +376,7 @@ std::vector<Station> ScanSet::stations() const {
   };
   for (std::size_t s = 0; s < scans_.size(); ++s) {
     const Scan& scan = *scans_[s];
+    if (scan.valid == 0) continue;
     for (const Scan::Seen& seen : scan.from) {
       if (!seen.sample.empty()) add(scan, true, seen.place, seen.sample);
     }

@@ -45,7 +45,8 @@ class ScanSet {
   /// decode, `disk` none.
   enum class Keep { quickest, disk };
 
-  /// Reads every scan. Throws Error{input}, also on a scan without a point; warns of implausible units. `digests`: the
+  /// Reads every scan. Throws Error{input}, also when no scan has a point; warns of implausible units, and of a scan
+  /// without a point beside others, which is left out. `digests`: the
   /// files' SHA-256 are taken meanwhile, for sources(). `fields`: what the points shall keep beside colour and
   /// intensity, as field_key() gives it. `mesh_refusal`: asked of all points and triangles of a mesh and the scans
   /// before it.

@@ -15,6 +15,7 @@
 #include "base/yaml.h"
 #include "base/yaml_text.h"
 #include "pipeline/outofcore/memory.h"
+#include "pipeline/scan/empty_scan.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/pieces.h"
 #include "pipeline/scan/reader.h"
@@ -157,27 +158,43 @@ void require_extent(const std::string& name, const std::vector<Eigen::Vector3d>&
                     "a scan of less than 1e9 m; damaged coordinates or another unit");
 }
 
-// Reads the scans into `seen`, `points` and `worth`; their part of the configuration. `pieces`: what is to be said of
-// those in several.
-std::string look_at(const std::vector<fs::path>& scans, const fs::path& folder, SeenScans& seen, TrialCloud& points,
+ScanStatistics statistics_of(const fs::path& file, std::uint64_t kept, const MeshRefusal& refusal,
+                             const SuggestOptions& options, Progress& progress) {
+  ScanStatistics statistics = scan_statistics(file, progress, kept, refusal, options.whole_chunks_only);
+  if (statistics.scan.points.empty())
+    throw EmptyScan(file.string(), "there are no points in it", "a scan with at least one finite point");
+  return statistics;
+}
+
+// Reads the scans into `seen`, `points` and `worth`; their part of the configuration, where those without a point are
+// comments. `pieces`: what is to be said of those in several.
+std::string look_at(const std::vector<fs::path>& files, const fs::path& folder, SeenScans& seen, TrialCloud& points,
                     std::vector<std::string>& pieces, WorthBlock& worth, const SuggestOptions& options,
                     Progress& progress) {
   // Points of all scans beyond which the files are gone through again, with the same result.
   constexpr std::uint64_t kMostKept = 4'000'000;
   const MemoryLimit limit{options.memory_bytes, 0};
-  const std::uint64_t kept = points_to_keep(limit, kMostKept) / scans.size();
+  const std::uint64_t kept = points_to_keep(limit, kMostKept) / files.size();
   const MeshRefusal refusal = mesh_refusal(limit, {}, 0, true);
   std::vector<ScanStatistics> all;
-  for (const fs::path& file : scans) {
-    all.push_back(scan_statistics(file, progress, kept, refusal, options.whole_chunks_only));
-    if (all.back().scan.points.empty()) {
-      throw input_error(file.string(), "there are no points in it", "a scan with at least one finite point");
+  std::vector<fs::path> scans;  // those with points
+  std::optional<EmptyScan> empty;
+  std::string text = "scans:\n";
+  for (const fs::path& file : files) {
+    try {
+      all.push_back(statistics_of(file, kept, refusal, options, progress));
+    } catch (const EmptyScan& found) {
+      if (!empty) empty = found;
+      text += fmt::format("  # left out: {}\n", yaml::comment(found.what()));
+      if (files.size() > 1) progress.warn(left_out_warning(found));
+      continue;
     }
+    scans.push_back(file);
     for (const std::string& warning : all.back().scan.warnings) progress.warn(file.string() + ": " + warning);
     require_lengths(all.back().scan, file.string());
   }
+  if (scans.empty()) throw *empty;
   const std::vector<FoundUnit> units = units_of(scans, all, progress);
-  std::string text = "scans:\n";
   std::vector<std::string> apart;  // what is said of points' pieces
   for (std::size_t s = 0; s < scans.size(); ++s) {
     const std::string columns = columns_text(all[s].scan);

@@ -57,7 +57,7 @@ std::uint64_t count_loops(std::string_view text) {
   return count;
 }
 
-Error no_facets(const ScanFile& file) { return file.error("the STL file has no facets", "at least one triangle"); }
+EmptyScan no_facets(const ScanFile& file) { return file.empty("the STL file has no facets", "at least one triangle"); }
 
 void read_binary(const ScanFile& file, ScanWriter& out) {
   if (file.bytes.size() < kHeader) throw file.error("too short for a binary STL file", "a header of 84 bytes");

@@ -184,6 +184,44 @@ TEST(LoadScan, RefusesEmptyScansAndScansWithoutAValidPoint) {
   EXPECT_THROW((void)load_scan(config, progress), Error);
 }
 
+TEST(LoadScans, LeaveOutAScanWithoutPointsBesideOthersAndNameIt) {
+  const ScanFolder folder;
+  const auto first = folder.write("a.xyz", "0 0 0\n1 0 0\n1 2 0\n"), last = folder.write("b.xyz", "0 3 1\n0 4 1\n");
+  const std::string ply = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n";
+  const std::vector<std::filesystem::path> empty = {
+      folder.write("none.ply", ""),
+      folder.write("none.e57", ""),
+      folder.write("mark.xyz", "\xEF\xBB\xBF"),
+      folder.write("comment.txt", "# nothing\n"),
+      folder.write("zero.pts", "0\n"),
+      folder.write("zero.ply", ply + "property float z\nend_header\n"),
+      folder.write("zero.obj", "# nothing\n"),
+      folder.write("zero.stl", "solid a\nendsolid a\n"),
+      folder.write("zero.off", "OFF\n0 0 0\n"),
+      folder.write("nan.obj", "v nan 0 0\n"),
+      folder.write("zero.gltf", R"({"asset": {"version": "2.0"}})"),
+  };
+  for (const std::filesystem::path& file : empty) {
+    Progress progress;
+    scene::ScanConfig posed = config_of(file);
+    posed.pose(0, 3) = 1.0;
+    std::vector<scene::ScanSource> sources;
+    const Cloud cloud = load_scans({config_of(first), posed, config_of(last)}, progress, &sources);
+    ASSERT_EQ(cloud.size(), 5U) << file;
+    EXPECT_EQ((point(cloud, 3) - Eigen::Vector3d(0, 3, 1)).norm(), 0.0) << file;
+    EXPECT_THAT(cloud.stations, IsEmpty()) << file;
+    EXPECT_THAT(progress.warnings(),
+                ::testing::Contains(AllOf(HasSubstr(file.filename().string()), HasSubstr("the scan is left out"))));
+    ASSERT_EQ(sources.size(), 3U);
+    EXPECT_EQ(sources[1].points, 0U) << file;
+    EXPECT_THROW((void)load_scan(config_of(file), progress), Error) << "it is alone";
+    EXPECT_THROW((void)load_scans({config_of(file), config_of(file)}, progress), Error) << "there is no other";
+  }
+  Progress progress;
+  EXPECT_THROW((void)load_scans({config_of(first), config_of("/nowhere/at/all.ply")}, progress), Error)
+      << "a scan that is missing is none without points";
+}
+
 TEST(LoadScan, CountsPointsBeyondFloatAsInvalidAndDropsTheirFaces) {
   const ScanFolder folder;
   Progress progress;

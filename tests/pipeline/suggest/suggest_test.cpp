@@ -108,6 +108,20 @@ class Suggested : public ::testing::Test {
   Suggestion suggestion_;
 };
 
+TEST_F(Suggested, LeavesOutAScanWithoutPointsAndSaysSoInTheConfiguration) {
+  const fs::path scan = write(relief(3000, 0.0)), empty = write({}, "empty.xyz");
+  Progress progress;
+  const Suggestion found = suggest_config({empty, scan}, folder_, progress);
+  ASSERT_EQ(found.config.scans.size(), 1U);
+  EXPECT_EQ(found.config.scans.front().file.filename(), scan.filename());
+  EXPECT_NE(found.yaml.find("# left out: "), std::string::npos) << found.yaml;
+  const std::vector<std::string> warnings = progress.warnings();
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+    return warning.find("empty.xyz: the file is empty; the scan is left out") != std::string::npos;
+  }));
+  EXPECT_THROW((void)suggest_config({empty, empty}, folder_, progress), Error);
+}
+
 TEST_F(Suggested, AShellOfPointsIsSeenAsItsFrontHalf) {
   const BuildResult result = build(write(shell(20000, {0, 0, 0}, 1.0)));
   const double spacing = std::sqrt(4 * std::numbers::pi / 20000);

@@ -97,7 +97,7 @@ class Reader {
       scan.notes.push_back("glTF: written by " + printable(generator->get<std::string>()));
     const gltf::Shown shown = gltf::shown_meshes(document_);
     if (shown.instances.empty())
-      throw file_.error("no node of its scene shows a mesh", "a scene with a mesh or with points");
+      throw file_.empty("no node of its scene shows a mesh", "a scene with a mesh or with points");
     std::vector<std::vector<Primitive>> meshes(static_cast<std::size_t>(document_.size_of("meshes")));
     std::uint64_t total = 0, triangles = 0;
     for (const gltf::Instance& instance : shown.instances) {

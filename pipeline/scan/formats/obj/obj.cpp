@@ -46,7 +46,7 @@ class Reader {
         file_.done_before(told - 1);
       }
     }
-    if (vertices_ == 0) throw file_.error("the OBJ file has no vertices", "lines 'v x y z'");
+    if (vertices_ == 0) throw file_.empty("the OBJ file has no vertices", "lines 'v x y z'");
     RawScan& scan = out_.scan();
     if (swapped_ > 0) {
       scan.warnings.push_back(std::to_string(swapped_) + " numbers like '3.1+e2' were read as '3.1e+2'");

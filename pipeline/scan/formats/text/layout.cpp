@@ -69,7 +69,7 @@ class Inspector {
       throw file_.error_at(head_.first_words, "no rows of numbers; " + in_quotes(head_.words) + " is none",
                            std::string("lines 'x y z'; for rows that begin with names, ") + kRemedy);
     }
-    throw file_.error("no rows of numbers", "lines 'x y z'");
+    throw file_.empty("no rows of numbers", "lines 'x y z'");
   }
 
   [[nodiscard]] std::vector<TableRow> sample(char separator) {

@@ -118,7 +118,7 @@ void read_3mf(const ScanFile& file, ScanWriter& out) {
     throw file.error(fmt::format("its build has {} vertices of {} bytes of model", vertices, package.bytes),
                      "a package that repeats its meshes less often");
   }
-  if (meshes == 0) throw file.error("the 3MF model builds no mesh", "an object with vertices and triangles");
+  if (meshes == 0) throw file.empty("the 3MF model builds no mesh", "an object with vertices and triangles");
   out.expect_mesh(vertices, triangles);
   out.begin(0, false, false);
   Built built(file, package);
