@@ -8,9 +8,9 @@ ASSERTIONS ?= OFF
 # while a library is linked; a folder keeps what it began with.
 FIRST = $(if $(wildcard $(BUILD)/CMakeCache.txt),,-DSPARSHA_PRECOMPILE=ON $(if $(shell command -v ninja),-G Ninja))
 
-.PHONY: run test tests package docs setup nightly bench bench-quick soak format clean
+.PHONY: run test tests package docs setup setup-run nightly bench bench-quick soak format clean
 
-run: setup
+run: setup-run
 	@cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release -DSPARSHA_LIBRARY_ASSERTIONS=$(ASSERTIONS) $(FIRST) > $(BUILD)-configure.log 2>&1 \
 	  || { cat $(BUILD)-configure.log; exit 1; }
 	@rm -f $(BUILD)-configure.log
@@ -26,7 +26,7 @@ test: tests
 
 # Same sources, same bytes: times in the packages are that of the last commit.
 package: export SOURCE_DATE_EPOCH ?= $(shell git log -1 --format=%ct 2>/dev/null || echo 0)
-package: setup
+package: setup-run
 	cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release $(FIRST)
 	cmake --build $(BUILD) -j$(JOBS) --target sparsha_packaged
 	cd $(BUILD) && cpack
@@ -38,6 +38,9 @@ docs:
 
 setup:
 	@tools/setup.sh packages.txt
+
+setup-run:
+	@tools/setup.sh packages.txt run
 
 nightly: setup
 	@tools/nightly.sh

@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that a list names and the machine lacks; says which first. Nothing missing: no apt at all.
+# setup.sh LIST [run]: with `run` the list ends at the line that begins with "# below:".
 set -euo pipefail
 list=$1
+until=${2:-all}
 
 if ! command -v dpkg-query >/dev/null 2>&1; then
   echo "setup: this is not Debian; install what $list names by your system's own means" >&2
@@ -9,6 +11,7 @@ if ! command -v dpkg-query >/dev/null 2>&1; then
 fi
 missing=()
 while read -r name; do
+  if [ "$until" = run ] && [[ $name == '# below:'* ]]; then break; fi
   case $name in ''|'#'*) continue ;; esac
   status=$(dpkg-query -W -f='${db:Status-Status}' "$name" 2>/dev/null || true)
   [ "$status" = installed ] || missing+=("$name")
