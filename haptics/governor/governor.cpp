@@ -331,7 +331,8 @@ Vector3d Governor::slewed(const Vector3d& force_n, double period_s) const noexce
 GovernorOutput Governor::command(const Vector3d& force_n, bool saturated, const Vector3d& effects_n) noexcept {
   for (std::size_t k = kLongestDelay; k > 0; --k) commanded_n_[k] = commanded_n_[k - 1];
   commanded_n_[0] = force_n;
-  late_.command(force_n - effects_n);
+  surface_n_ = force_n - effects_n;
+  late_.command(surface_n_);
   return {force_n, saturated, armed_, energy_j_};
 }
 
@@ -351,7 +352,7 @@ GovernorOutput Governor::update(const GovernorInput& input) noexcept {
   watch_late_loop();
   const Vector3d most = clamped(braked(damped(input), input.stiffness_n_per_m), limits_.max_force_n);
   const Vector3d grown = slewed(most, std::min(input.period_s, pace_s_));
-  const Vector3d safe = deliverable(passive(input, tapered(input, grown)), limits_.max_force_n);
+  const Vector3d safe = deliverable(passive(input, eased(input, tapered(input, grown))), limits_.max_force_n);
   // Effects are not a spring's: a later loop moves them along the stone, and that alone is no energy of the surface.
   const double wished = input.force_n.norm();
   const double given = wished > 0.0 ? std::min(1.0, safe.norm() / wished) : 0.0;

@@ -140,6 +140,7 @@ class Governor {
   [[nodiscard]] Eigen::Vector3d slewed(const Eigen::Vector3d& force_n, double period_s) const noexcept;
   [[nodiscard]] Eigen::Vector3d tapered(const GovernorInput& input, const Eigen::Vector3d& force_n) const noexcept;
   [[nodiscard]] Eigen::Vector3d passive(const GovernorInput& input, const Eigen::Vector3d& force_n) const noexcept;
+  [[nodiscard]] Eigen::Vector3d eased(const GovernorInput& input, const Eigen::Vector3d& force_n) const noexcept;
   [[nodiscard]] double balance_j() const noexcept;
   struct Range {
     double least_n, most_n;
@@ -158,6 +159,7 @@ class Governor {
   Eigen::Vector3d gap_n_ = Eigen::Vector3d::Zero();  ///< the largest force that the device held meanwhile
   double gap_least_n_ = 0.0;                         ///< and the size of the least
   std::array<Eigen::Vector3d, kLongestDelay + 1> commanded_n_ = zeros();  ///< newest first
+  Eigen::Vector3d surface_n_ = Eigen::Vector3d::Zero();                   ///< of the newest, without effects
   Eigen::Vector3d last_position_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d displacement_m_ = Eigen::Vector3d::Zero();
   double damped_j_ = 0.0;

@@ -93,6 +93,16 @@ Vector3d Governor::tapered(const GovernorInput& input, const Vector3d& force_n) 
   return size_n > 0.0 ? Vector3d(force_n * (least_n / size_n)) : Vector3d(input.force_n * (least_n / wished));
 }
 
+/// A hand that slips off an edge loses its force over some ticks, and not at once: what goes in one is bounded besides
+/// what the hand's move explains. A fingertip leaves an edge as it leaves a rounded one.
+Vector3d Governor::eased(const GovernorInput& input, const Vector3d& force_n) const noexcept {
+  constexpr double kMostLost_n = 0.5;
+  const Vector3d surface_n = force_n - input.effects_n;
+  if (surface_n.squaredNorm() >= surface_n_.squaredNorm()) return force_n;
+  const double most_n = kMostLost_n + input.stiffness_n_per_m * displacement_m_.norm();
+  return force_n + (surface_n_ - surface_n) + clamped(surface_n - surface_n_, most_n);
+}
+
 /// The observed energy that is left when the forces on their way have arrived, if the hand goes on as it moved last.
 double Governor::balance_j() const noexcept {
   double balance_j = energy_j_ + damped_j_ + kOverdraft_j;

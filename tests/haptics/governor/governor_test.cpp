@@ -77,7 +77,7 @@ TEST(Governor, ClampsTheMagnitudeAndKeepsTheDirection) {
   EXPECT_TRUE(output.saturated);
 }
 
-TEST(Governor, LimitsTheGrowthOfForceAndLeavesDecreasesFree) {
+TEST(Governor, LimitsTheGrowthOfForceAndSpreadsALargeLossOverSomeTicks) {
   Governor governor = armed_governor();
   const double step = DeviceLimits{}.slew_n_per_s * kPeriod;
   Vector3d last = Vector3d::Zero();
@@ -85,10 +85,19 @@ TEST(Governor, LimitsTheGrowthOfForceAndLeavesDecreasesFree) {
     last = governor.update(still({0, 0, 6})).force_n;
     EXPECT_NEAR(last.z(), std::min(6.0, k * step), 1e-12);
   }
-  EXPECT_NEAR(governor.update(still({0, 0, 0.5})).force_n.z(), 0.5, 1e-12);
-  const Vector3d turned = governor.update(still({5, 0, 0})).force_n;
-  EXPECT_NEAR(turned.x(), step, 1e-12) << "a new direction grows from zero";
-  EXPECT_NEAR(turned.z(), 0.0, 1e-12) << "the old one may vanish at once";
+  for (const double left : {5.5, 5.0, 4.5}) EXPECT_NEAR(governor.update(still({0, 0, 0.5})).force_n.z(), left, 1e-12);
+  EXPECT_NEAR(governor.update(still({0, 0, 4.1})).force_n.z(), 4.1, 1e-12) << "a small decrease is free";
+  const Vector3d turned = governor.update(still({1, 0, 3.9})).force_n;
+  EXPECT_GT(turned.x(), 0.4) << "a new direction begins at once";
+  EXPECT_LE((turned - Vector3d(0, 0, 4.1)).norm(), 0.5 + 1e-12);
+  // Of a hand that goes away as fast as its spring gives way nothing is spread.
+  Governor leaving = armed_governor();
+  GovernorInput input = still({0, 0, 0.8});
+  input.stiffness_n_per_m = 800.0;
+  for (int k = 0; k < 3; ++k) last = leaving.update(input).force_n;
+  input.position_m.z() += 0.001;
+  input.force_n.setZero();
+  EXPECT_NEAR(leaving.update(input).force_n.norm(), 0.0, 1e-12);
 }
 
 TEST(Governor, HoldsAStaticForceExactly) {
