@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 namespace sparsha::pipeline {
 namespace {
@@ -18,20 +19,41 @@ Vector6d screw(const Eigen::Vector3d& arm, const Eigen::Vector3d& normal) {
   return row;
 }
 
-// Mean of the products, arms from the matches' mean in units of their RMS length.
-Matrix6d information(const std::vector<Match>& pairs) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const Match& pair : pairs) mean += pair.place;
-  mean /= static_cast<double>(pairs.size());
-  double reach = 0.0;
-  for (const Match& pair : pairs) reach += (pair.place - mean).squaredNorm();
-  reach = std::sqrt(reach / static_cast<double>(pairs.size()));
-  Matrix6d sum = Matrix6d::Zero();
-  for (const Match& pair : pairs) {
-    const Eigen::Vector3d arm = (pair.place - mean) / reach;
-    sum += screw(arm, pair.from_normal) * screw(arm, pair.to_normal).transpose();
+// Arms from the matches' mean in units of their RMS length.
+class Arms {
+ public:
+  explicit Arms(const std::vector<Match>& pairs) {
+    for (const Match& pair : pairs) mean_ += pair.place;
+    mean_ /= static_cast<double>(pairs.size());
+    double reach = 0.0;
+    for (const Match& pair : pairs) reach += (pair.place - mean_).squaredNorm();
+    reach_ = std::sqrt(reach / static_cast<double>(pairs.size()));
   }
+  [[nodiscard]] Vector6d from(const Match& pair) const {
+    return screw((pair.place - mean_) / reach_, pair.from_normal);
+  }
+  [[nodiscard]] Vector6d to(const Match& pair) const { return screw((pair.place - mean_) / reach_, pair.to_normal); }
+
+  [[nodiscard]] const Eigen::Vector3d& mean() const { return mean_; }
+  [[nodiscard]] double reach() const { return reach_; }
+
+ private:
+  Eigen::Vector3d mean_ = Eigen::Vector3d::Zero();
+  double reach_ = 0.0;
+};
+
+// Mean of the products.
+Matrix6d information(const std::vector<Match>& pairs, const Arms& arms) {
+  Matrix6d sum = Matrix6d::Zero();
+  for (const Match& pair : pairs) sum += arms.from(pair) * arms.to(pair).transpose();
   return (sum + sum.transpose()) / (2.0 * static_cast<double>(pairs.size()));
+}
+
+// What matches tell of one motion.
+double told(const std::vector<Match>& pairs, const Arms& arms, const Vector6d& motion) {
+  double sum = 0.0;
+  for (const Match& pair : pairs) sum += arms.from(pair).dot(motion) * arms.to(pair).dot(motion);
+  return sum;
 }
 
 }  // namespace
@@ -87,8 +109,37 @@ Agreement agreement(const StationSurface& a, const Eigen::Isometry3d& a_pose, co
   for (const Match& pair : there.pairs) sum += pair.distance_m * pair.distance_m;
   result.residual_m = std::sqrt(sum / static_cast<double>(there.pairs.size()));
   if (there.pairs.size() < 6) return result;
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information(there.pairs), Eigen::EigenvaluesOnly);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information(there.pairs, Arms(there.pairs)),
+                                                       Eigen::EigenvaluesOnly);
   result.least_information = solver.eigenvalues()[0];
+  return result;
+}
+
+Eigen::Isometry3d Hold::moved(double by_m) const {
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  motion.translate(middle + by_m * shift_m);
+  if (const double angle = turn.norm(); angle > 0.0) motion.rotate(Eigen::AngleAxisd(by_m * angle, turn / angle));
+  motion.translate(-middle);
+  return motion;
+}
+
+Hold hold_of(const std::vector<Match>& met, double near_m) {
+  Hold result;
+  std::vector<Match> tight;
+  for (const Match& pair : met)
+    if (std::fabs(pair.distance_m) <= near_m) tight.push_back(pair);
+  result.matches = tight.size();
+  if (tight.size() < 6) return result;
+  result.share = static_cast<double>(tight.size()) / static_cast<double>(met.size());
+  const Arms arms(tight);
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(information(tight, arms));
+  result.least_information = solver.eigenvalues()[0];
+  const Vector6d motion = solver.eigenvectors().col(0);
+  result.middle = arms.mean();
+  result.turn = motion.head<3>() / arms.reach();
+  result.shift_m = motion.tail<3>();
+  const double all = told(met, arms, motion);
+  result.least_share = all > 0.0 ? std::max(0.0, told(tight, arms, motion)) / all : 0.0;
   return result;
 }
 

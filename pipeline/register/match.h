@@ -60,4 +60,27 @@ struct Agreement {
 [[nodiscard]] Agreement agreement(const StationSurface& a, const Eigen::Isometry3d& a_pose, const StationSurface& b,
                                   const Eigen::Isometry3d& b_pose, const MatchLimits& limits);
 
+/// How firmly two surfaces hold each other where they lie on one another within their noise.
+struct Hold {
+  std::size_t matches = 0;         ///< that do
+  double share = 0.0;              ///< of all that meet
+  double least_information = 0.0;  ///< of those, as of an Agreement
+  /// Of the information about the motion that is told worst, the share that those tell: where it is low, most of what
+  /// could tell contradicts.
+  double least_share = 0.0;
+  /// That motion of the one searched from: turned about `middle` and shifted, so that it moves points by 1 m.
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();  ///< radians
+  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
+
+  /// Whether most of what could contradict the pose agrees. Of scans of a hall, one that lies 0.5 m along it from its
+  /// place has a share of 0.95 and a least share of 0.4 at most; right ones have 0.94 and 0.5 at least.
+  [[nodiscard]] bool holds() const {
+    return share >= 0.8 && least_share >= 0.48 && least_information >= kLeastInformation;
+  }
+  /// The motion by so much.
+  [[nodiscard]] Eigen::Isometry3d moved(double by_m) const;
+};
+[[nodiscard]] Hold hold_of(const std::vector<Match>& met, double near_m);
+
 }  // namespace sparsha::pipeline

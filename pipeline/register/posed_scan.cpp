@@ -2,11 +2,15 @@
 #include "pipeline/register/posed_scan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <map>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/statistics.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/set.h"
 #include "scene/config/config.h"
@@ -63,6 +67,40 @@ std::optional<Eigen::Vector3d> place_of(const ScanSet& set, const scene::ScanCon
   return place;
 }
 
+// Whether a scanner at the origin of coordinates can have seen all of a surface that lies around it: in each direction
+// there is one depth. Where two stations' points lie in one file, or the place is another, walls stand before walls.
+bool seen_from_within(const StationSurface& surface, const Eigen::Vector3d& place) {
+  constexpr double kCells = 14.0;          // along a unit of direction: 4 degrees
+  constexpr double kNotGrazing = 0.5;      // cosine
+  constexpr double kOneDepth = 0.75;       // nearest over farthest in a direction
+  constexpr double kLeastShare = 0.9;      // of the directions with several elements: of a hall 0.94 to 0.97
+  constexpr std::size_t kLeastCells = 50;  // of them
+  struct Depths {
+    double nearest_m = std::numeric_limits<double>::infinity();
+    double farthest_m = 0.0;
+    int count = 0;
+  };
+  std::map<std::array<int, 3>, Depths> cells;
+  for (const StationSurface::Element& element : surface.elements()) {
+    const Eigen::Vector3d ray = element.point - place;
+    const double depth_m = ray.norm();
+    if (!(std::fabs(element.normal.dot(ray)) > kNotGrazing * depth_m)) continue;
+    const Eigen::Vector3d at = (kCells * ray / depth_m).array().round();
+    Depths& depths = cells[{static_cast<int>(at.x()), static_cast<int>(at.y()), static_cast<int>(at.z())}];
+    depths.nearest_m = std::min(depths.nearest_m, depth_m);
+    depths.farthest_m = std::max(depths.farthest_m, depth_m);
+    ++depths.count;
+  }
+  std::size_t several = 0;
+  std::size_t one = 0;
+  for (const auto& [cell, depths] : cells) {
+    if (depths.count < 2) continue;
+    ++several;
+    if (depths.nearest_m > kOneDepth * depths.farthest_m) ++one;
+  }
+  return several >= kLeastCells && static_cast<double>(one) >= kLeastShare * static_cast<double>(several);
+}
+
 // Where somebody far away would stand to see all of the surface: a scan from one place that nobody knows. Its side is
 // the one to which the surface bulges. Nothing for a surface that has more than one side, or no side.
 std::optional<Eigen::Vector3d> guessed_place(const StationSurface& surface, const Extent& extent) {
@@ -108,6 +146,18 @@ std::optional<Eigen::Vector3d> guessed_place(const StationSurface& surface, cons
   return extent.middle_m + (bulge < 0.0 ? -1e3 : 1e3) * extent.longest_m * view;
 }
 
+// A leaf that evens out a scan from one station, whose points lie hundreds of times denser near it than far away: the
+// median spacing would be that of the nearest walls, and what lies beyond would count as no surface.
+double even_leaf_m(const std::vector<Eigen::Vector3d>& points, double least_m) {
+  constexpr double kFar = 0.9;     // rank of the spacings that count
+  constexpr double kEven = 0.5;    // of these
+  constexpr double kUneven = 3.0;  // medians: an even scan has no spacing beyond
+  std::vector<double> spacings = nearest_distances(thinned_to(points, kFinePoints, least_m));
+  if (spacings.empty()) return least_m;
+  const double far_m = sparsha::quantile(spacings, kFar);
+  return far_m > kUneven * median(spacings) ? std::max(least_m, kEven * far_m) : least_m;
+}
+
 PosedScan read_one(const scene::ScanConfig& config, double voxel_m, bool trusted, const Context& context) {
   PosedScan scan;
   scan.name = config.file.string();
@@ -132,13 +182,16 @@ PosedScan read_one(const scene::ScanConfig& config, double voxel_m, bool trusted
       context.progress);
   std::optional<Eigen::Vector3d> place = place_of(set, config, extent, trusted);
   std::vector<Eigen::Vector3d> points = means.points();
+  if (!(voxel_m > 0.0)) points = thinned(points, even_leaf_m(points, leaf_m));
   const auto make = [&](std::size_t most) {
     points = thinned_to(points, most, leaf_m);
     return std::make_unique<StationSurface>(points, place, context);
   };
   scan.middle_m = extent.middle_m;
   if (!place) {
-    place = guessed_place(StationSurface(thinned_to(points, kMediumPoints, leaf_m), std::nullopt, context), extent);
+    const StationSurface surface(thinned_to(points, kMediumPoints, leaf_m), std::nullopt, context);
+    if (trusted && set.stations().empty() && seen_from_within(surface, -set.origin_m())) place = -set.origin_m();
+    if (!place) place = guessed_place(surface, extent);
     if (place) scan.guessed_view = (*place - extent.middle_m).normalized();
   }
   scan.place = place;

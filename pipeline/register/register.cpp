@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <optional>
 
 #include <fmt/format.h>
@@ -14,19 +15,16 @@
 #include "pipeline/register/first_guess.h"
 #include "pipeline/register/graph.h"
 #include "pipeline/register/match.h"
-#include "pipeline/register/pairwise.h"
+#include "pipeline/register/pair_alignment.h"
 #include "pipeline/register/posed_scan.h"
 #include "pipeline/register/relaxation.h"
+#include "pipeline/register/shared_cells.h"
 
 namespace sparsha::pipeline {
 namespace {
 
 constexpr double kAutomaticReach = 0.15;  // longest sides: 10 degrees at the rim of an object, and 5 % of its size
 constexpr double kGuessedReach = 0.03;    // first guesses from features have been aligned already
-constexpr double kTouch = 3.0;            // spacings within which aligned surfaces are one
-constexpr double kShrink = 0.6;           // of the distance from round to round of an alignment
-constexpr int kIterations = 8;            // of PCL in a round
-constexpr int kLastIterations = 30;
 constexpr double kMostTurn = 35.0 * 3.14159265358979323846 / 180.0;  // rough poses are not worse than that
 constexpr double kMostShift = 0.35;                                  // longest sides
 constexpr std::size_t kLeastMatches = 100;
@@ -36,17 +34,21 @@ constexpr double kByChance = 0.2;  // residual over the distance within which po
 // Roughness of one scan that the residual of two may reach: right links have 0.4 to 1.4, rings one place aside 2.2 and
 // more.
 constexpr double kRough = 1.7;
-constexpr double kRigid = 1e-9;         // moves a point by no more than that part of the scan's size
-constexpr double kOtherUnit = 50.0;     // ratio of longest sides beyond which units may be wrong: m, cm and mm
-constexpr double kContradiction = 2.0;  // reach of touch within which a pair's own result agrees with all others
+constexpr double kRigid = 1e-9;          // moves a point by no more than that part of the scan's size
+constexpr double kOtherUnit = 50.0;      // ratio of longest sides beyond which units may be wrong: m, cm and mm
+constexpr std::size_t kPairsOfScan = 3;  // that are aligned, for each scan of a set
+constexpr double kCell = 0.5;            // reaches: the grid that tells which scans may have something in common
 
 /// A pair while it is worked on.
 struct Pair {
   PairFit fit;
+  bool tried = false;
   bool candidate = false;
   bool any_sign = false;  ///< normals face opposite sides where the scans meet: their signs were guessed wrongly
   Eigen::Isometry3d aligned = Eigen::Isometry3d::Identity();  ///< second to first
   Agreement agreement;                                        ///< of the medium surfaces, when aligned
+  Hold hold;                                                  ///< of the fine ones
+  bool unsure = false;                                        ///< whether this is the place
 };
 
 bool is_rigid(const Eigen::Matrix4d& pose) {
@@ -72,6 +74,7 @@ class Registrar {
       guesses_ = guess_poses(posed_, config, context);
       turn_views(posed_.scans);
     }
+    for (const PosedScan& scan : posed_.scans) rough_.push_back(scan.pose);
     const double automatic = guesses_.empty() ? kAutomaticReach : kGuessedReach;
     reach_m_ = config.max_distance_m > 0.0 ? config.max_distance_m : automatic * posed_.longest_m();
     medium_touch_m_ = kTouch * posed_.spacing_m(&PosedScan::medium);
@@ -86,11 +89,11 @@ class Registrar {
 
   Registration run() {
     context_.progress.begin("align pairs");
-    for_pairs([this](Pair& pair) { align(pair); });
+    align_pairs();
     link();
     context_.progress.begin("relax");
     relax();
-    for_pairs([this](Pair& pair) { measure_after(pair); });
+    measure_all_after();
     reject_what_does_not_fit();
     Registration result;
     for (std::size_t s = 0; s < configs_.size(); ++s) result.poses.push_back(posed_.pose_of(s, posed_.scans[s].pose));
@@ -102,7 +105,7 @@ class Registrar {
 
   std::vector<PairFit> measure() {
     context_.progress.begin("measure pairs");
-    for_pairs([this](Pair& pair) {
+    for_pairs(pairs_within(fine_touch_m_), [this](Pair& pair) {
       measure_after(pair);
       pair.fit.before = pair.fit.after;
       if (pair.fit.after.overlap >= config_.min_overlap) pair.fit.use = PairFit::Use::used;
@@ -112,15 +115,53 @@ class Registrar {
 
  private:
   template <typename Work>
-  void for_pairs(const Work& work) {
+  void for_pairs(const std::vector<Pair*>& pairs, const Work& work) {
     std::atomic<std::size_t> done{0};
-    context_.pool.for_ranges(pairs_.size(), 1, [&](std::size_t begin, std::size_t end) {
+    context_.pool.for_ranges(pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         context_.progress.throw_if_cancelled();
-        work(pairs_[k]);
-        context_.progress.at(static_cast<double>(++done) / static_cast<double>(pairs_.size()));
+        work(*pairs[k]);
+        context_.progress.at(static_cast<double>(++done) / static_cast<double>(pairs.size()));
       }
     });
+  }
+
+  // Pairs that may have something within a distance in common, with the present poses.
+  [[nodiscard]] std::vector<Pair*> pairs_within(double distance_m) {
+    const SharedCells cells(posed_.scans, distance_m);
+    std::vector<Pair*> result;
+    for (Pair& pair : pairs_)
+      if (cells.share(pair.fit.first, pair.fit.second) > 0.0) result.push_back(&pair);
+    return result;
+  }
+
+  // The best few of each scan; where they do not link all scans, more of those that could.
+  void align_pairs() {
+    const SharedCells cells(posed_.scans, kCell * reach_m_);
+    std::vector<Pair*> now;
+    for (const Edge& edge : cells.best_pairs(kPairsOfScan * posed_.scans.size())) now.push_back(&pair_of(edge));
+    while (!now.empty()) {
+      for_pairs(now, [this](Pair& pair) { align(pair); });
+      now = untried_links(cells);
+    }
+  }
+
+  [[nodiscard]] Pair& pair_of(const Edge& edge) {
+    const std::size_t before = edge.a * (2 * posed_.scans.size() - edge.a - 1) / 2;  // pairs of scans before edge.a
+    return pairs_[before + edge.b - edge.a - 1];
+  }
+
+  // Of the pairs that would link scans that are not linked yet, the best ones that were not tried.
+  [[nodiscard]] std::vector<Pair*> untried_links(const SharedCells& cells) {
+    std::vector<bool> reached(posed_.scans.size(), true);
+    for (const std::size_t scan : heaviest_tree(posed_.scans.size(), used_edges()).unreached) reached[scan] = false;
+    std::vector<Pair*> left;
+    for (Pair& pair : pairs_)
+      if (!pair.tried && reached[pair.fit.first] != reached[pair.fit.second]) left.push_back(&pair);
+    std::ranges::stable_sort(left, std::greater(),
+                             [&](const Pair* pair) { return cells.share(pair->fit.first, pair->fit.second); });
+    left.resize(std::min(left.size(), posed_.scans.size()));
+    return left;
   }
 
   [[nodiscard]] const PosedScan& first(const Pair& pair) const { return posed_.scans[pair.fit.first]; }
@@ -136,28 +177,29 @@ class Registrar {
                      limits);
   }
 
-  // Coarse to fine with shrinking distances.
-  void align(Pair& pair) const {
-    const Eigen::Isometry3d guess = first(pair).pose.inverse() * second(pair).pose;
+  [[nodiscard]] Eigen::Isometry3d relative(const Pair& pair, const std::vector<Eigen::Isometry3d>& poses) const {
+    return poses[pair.fit.first].inverse() * poses[pair.fit.second];
+  }
+
+  void measure_before(Pair& pair) const {
+    const Eigen::Isometry3d guess = relative(pair, rough_);
     doubt_signs(pair, guess);
     pair.fit.before = fit_of(agree(pair, &PosedScan::medium, reach_m_, guess), reach_m_);
+  }
+
+  void align(Pair& pair) const {
+    pair.tried = true;
+    measure_before(pair);
+    const Eigen::Isometry3d guess = relative(pair, rough_);
     pair.candidate = pair.fit.before.overlap >= 0.5 * config_.min_overlap;
     if (!pair.candidate) return;
-    Eigen::Isometry3d pose = guess;
     const double medium_touch_m = kTouch * std::max(first(pair).medium->spacing_m(), second(pair).medium->spacing_m());
-    const double coarse_touch_m = kTouch * std::max(first(pair).coarse->spacing_m(), second(pair).coarse->spacing_m());
-    double distance_m = reach_m_;
-    for (; distance_m > medium_touch_m; distance_m *= kShrink) {
-      context_.progress.throw_if_cancelled();
-      const bool coarse = distance_m > coarse_touch_m;
-      const StationSurface& source = coarse ? *second(pair).coarse : *second(pair).medium;
-      const StationSurface& target = coarse ? *first(pair).coarse : *first(pair).medium;
-      pose = align_pair(source, target, pose, config_.method, distance_m, kIterations, pair.any_sign);
-    }
-    pose = align_pair(*second(pair).medium, *first(pair).medium, pose, config_.method, medium_touch_m, kLastIterations,
-                      pair.any_sign);
-    pair.aligned = pose;
-    pair.agreement = agree(pair, &PosedScan::medium, medium_touch_m, pose);
+    const PairAlignment found =
+        align_scans(first(pair), second(pair), guess, {reach_m_, config_.method, pair.any_sign}, context_);
+    pair.aligned = found.second_to_first;
+    pair.hold = found.hold;
+    pair.unsure = found.unsure;
+    pair.agreement = agree(pair, &PosedScan::medium, medium_touch_m, pair.aligned);
     judge(pair, guess);
   }
 
@@ -171,7 +213,11 @@ class Registrar {
 
   void judge(Pair& pair, const Eigen::Isometry3d& guess) const {
     if (pair.agreement.overlap < config_.min_overlap || pair.agreement.matches < kLeastMatches) return;
-    pair.fit.use = pair.agreement.least_information < kLeastInformation ? PairFit::Use::weak : PairFit::Use::used;
+    const bool slides = pair.unsure || pair.agreement.least_information < kLeastInformation ||
+                        (pair.hold.matches >= kLeastMatches && pair.hold.least_information < kLeastInformation);
+    pair.fit.use = slides ? PairFit::Use::weak : PairFit::Use::used;
+    if (pair.fit.use == PairFit::Use::used && !(pair.hold.holds() && pair.hold.matches >= kLeastMatches))
+      pair.fit.use = PairFit::Use::rejected;
     const double turn = Eigen::AngleAxisd(Eigen::Matrix3d(guess.linear().transpose() * pair.aligned.linear())).angle();
     if (turn > kMostTurn || moved_m(pair, guess) > kMostShift * posed_.longest_m()) {
       pair.fit.use = PairFit::Use::rejected;
@@ -187,31 +233,32 @@ class Registrar {
     return std::sqrt(sum / static_cast<double>(elements.size()));
   }
 
-  // Poses along the heaviest tree of used pairs, from the first scan; an error names a scan that it does not reach.
-  void link() {
+  [[nodiscard]] std::vector<WeighedEdge> used_edges(std::vector<const Pair*>* of_edges = nullptr) const {
     std::vector<WeighedEdge> edges;
-    std::vector<const Pair*> of_edge;
     for (const Pair& pair : pairs_) {
       if (pair.fit.use != PairFit::Use::used) continue;
       edges.push_back({{pair.fit.first, pair.fit.second, pair.any_sign},
-                       pair.agreement.overlap * std::sqrt(static_cast<double>(pair.agreement.matches))});
-      of_edge.push_back(&pair);
+                       std::sqrt(static_cast<double>(pair.hold.matches) * pair.hold.least_information)});
+      if (of_edges != nullptr) of_edges->push_back(&pair);
     }
-    const Tree tree = heaviest_tree(posed_.scans.size(), edges);
+    return edges;
+  }
+
+  // Poses along the tree of used pairs, from the first scan, with which the most of the other pairs agree; an error
+  // names a scan that it does not reach.
+  void link() {
+    std::vector<const Pair*> of_edge;
+    const std::vector<WeighedEdge> edges = used_edges(&of_edge);
+    std::vector<Eigen::Isometry3d> aligned;
+    for (const Pair* pair : of_edge) aligned.push_back(pair->aligned);
+    const Tree tree =
+        agreed_tree(posed_.scans.size(), edges, aligned, [&](std::size_t edge, const Eigen::Isometry3d& b_to_a) {
+          return moved_m(*of_edge[edge], b_to_a) <= fine_touch_m_;
+        });
     if (!tree.unreached.empty()) throw unlinked(tree);
-    std::vector<bool> placed(posed_.scans.size(), false);
-    placed[0] = true;
-    for (const std::size_t k : tree.edges) {
-      const Pair& pair = *of_edge[k];
-      PosedScan& a = posed_.scans[pair.fit.first];
-      PosedScan& b = posed_.scans[pair.fit.second];
-      if (placed[pair.fit.first]) {
-        b.pose = a.pose * pair.aligned;
-      } else {
-        a.pose = b.pose * pair.aligned.inverse();
-      }
-      placed[pair.fit.first] = placed[pair.fit.second] = true;
-    }
+    const std::vector<Eigen::Isometry3d> poses =
+        poses_along(tree, posed_.scans.size(), edges, aligned, posed_.scans.front().pose);
+    for (std::size_t s = 0; s < poses.size(); ++s) posed_.scans[s].pose = poses[s];
   }
 
   [[nodiscard]] Error unlinked(const Tree& tree) const {
@@ -244,7 +291,7 @@ class Registrar {
         return input_error(
             name,
             fmt::format("aligning this scan with {} moves it by {}, farther than a rough pose may be wrong", other,
-                        length_text(moved_m(*best, first(*best).pose.inverse() * second(*best).pose))),
+                        length_text(moved_m(*best, relative(*best, rough_)))),
             "poses within 10 degrees and 5 % of the object's size" + hint);
       default:
         break;
@@ -282,11 +329,11 @@ class Registrar {
   }
 
   // Pairs that meet with the present poses, the given ones of which may not have been aligned by themselves.
-  [[nodiscard]] std::vector<Edge> meeting() const {
+  [[nodiscard]] std::vector<Edge> meeting() {
     std::vector<Edge> edges;
-    for (const Pair& pair : pairs_) {
-      const Eigen::Isometry3d relative = first(pair).pose.inverse() * second(pair).pose;
-      const Agreement agreement = agree(pair, &PosedScan::medium, medium_touch_m_, relative);
+    for (const Pair* candidate : pairs_within(medium_touch_m_)) {
+      const Pair& pair = *candidate;
+      const Agreement agreement = agree(pair, &PosedScan::medium, medium_touch_m_, present(pair));
       if (agreement.overlap >= kRelaxedShare * config_.min_overlap && agreement.matches >= kLeastMatches)
         edges.push_back({pair.fit.first, pair.fit.second, pair.any_sign});
     }
@@ -306,14 +353,25 @@ class Registrar {
     }
     for (Pair& pair : pairs_) {
       if (pair.fit.use != PairFit::Use::used) continue;
-      const Eigen::Isometry3d relative = first(pair).pose.inverse() * second(pair).pose;
-      if (moved_m(pair, relative) > kContradiction * medium_touch_m_) pair.fit.use = PairFit::Use::rejected;
+      if (moved_m(pair, present(pair)) > fine_touch_m_) pair.fit.use = PairFit::Use::rejected;
     }
   }
 
+  [[nodiscard]] Eigen::Isometry3d present(const Pair& pair) const {
+    return first(pair).pose.inverse() * second(pair).pose;
+  }
+
   void measure_after(Pair& pair) const {
-    const Eigen::Isometry3d relative = first(pair).pose.inverse() * second(pair).pose;
-    pair.fit.after = fit_of(agree(pair, &PosedScan::fine, fine_touch_m_, relative), fine_touch_m_);
+    pair.fit.after = fit_of(agree(pair, &PosedScan::fine, fine_touch_m_, present(pair)), fine_touch_m_);
+  }
+
+  void measure_all_after() {
+    for_pairs(pairs_within(fine_touch_m_), [this](Pair& pair) {
+      measure_after(pair);
+      if (!pair.tried && pair.fit.after.matches > 0) measure_before(pair);
+    });
+    for (Pair& pair : pairs_)
+      if (pair.tried && pair.fit.after.matches == 0) measure_after(pair);  // with nothing in common: its distance
   }
 
   // Chance puts points of two scans near each other as well; of one surface they lie as near as noise and form allow.
@@ -369,8 +427,9 @@ class Registrar {
   const scene::RegisterConfig& config_;
   const Context& context_;
   PosedScans posed_;
+  std::vector<Eigen::Isometry3d> rough_;  ///< as given or guessed
   std::vector<FirstGuess> guesses_;
-  std::vector<Pair> pairs_;
+  std::vector<Pair> pairs_;  ///< all there are: of the first scan, then of the second
   double reach_m_ = 0.0;
   double medium_touch_m_ = 0.0;
   double fine_touch_m_ = 0.0;

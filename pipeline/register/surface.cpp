@@ -23,39 +23,58 @@ constexpr double kLongestShape = 6.0;   // first over second: beyond, a line
 constexpr double kReach = 6.0;          // spacings within which neighbours belong to a surface
 constexpr double kBorder = 0.45;        // offset of the neighbours' mean over their mean distance, at a border
 constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kAsked = 2000;  // points whose nearest neighbour tells the spacing
 
-}  // namespace
-
-struct StationSurface::Tree {
+struct PointTree {
   pcl::KdTreeFLANN<pcl::PointXYZ> search;
 
   int find(const Eigen::Vector3d& point, int count, pcl::Indices& indices, std::vector<float>& distances2) const {
     const Eigen::Vector3f p = point.cast<float>();
     return search.nearestKSearch(pcl::PointXYZ(p.x(), p.y(), p.z()), static_cast<unsigned>(count), indices, distances2);
   }
+
+  void fill(const std::vector<Eigen::Vector3d>& points) {
+    auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+    cloud->reserve(points.size());
+    for (const Eigen::Vector3d& point : points) {
+      const Eigen::Vector3f p = point.cast<float>();
+      cloud->push_back(pcl::PointXYZ(p.x(), p.y(), p.z()));
+    }
+    search.setInputCloud(cloud);
+  }
+
+  // Of some of the points that it is filled with.
+  [[nodiscard]] std::vector<double> nearest(const std::vector<Eigen::Vector3d>& points) const {
+    const std::size_t step = std::max<std::size_t>(1, points.size() / kAsked);
+    std::vector<double> distances;
+    pcl::Indices indices;
+    std::vector<float> distances2;
+    for (std::size_t i = 0; i < points.size(); i += step)
+      if (find(points[i], 2, indices, distances2) == 2)
+        distances.push_back(std::sqrt(static_cast<double>(distances2[1])));
+    return distances;
+  }
 };
+
+}  // namespace
+
+struct StationSurface::Tree : PointTree {};
+
+std::vector<double> nearest_distances(const std::vector<Eigen::Vector3d>& points) {
+  if (points.empty()) return {};
+  PointTree tree;
+  tree.fill(points);
+  return tree.nearest(points);
+}
 
 StationSurface::StationSurface(std::vector<Eigen::Vector3d> points, const std::optional<Eigen::Vector3d>& place,
                                const Context& context)
     : tree_(std::make_unique<Tree>()), signed_(place.has_value()) {
-  auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   elements_.resize(points.size());
-  cloud->reserve(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    elements_[i].point = points[i];
-    const Eigen::Vector3f p = points[i].cast<float>();
-    cloud->push_back(pcl::PointXYZ(p.x(), p.y(), p.z()));
-  }
+  for (std::size_t i = 0; i < points.size(); ++i) elements_[i].point = points[i];
   if (elements_.empty()) return;
-  tree_->search.setInputCloud(cloud);
-  const std::size_t step = std::max<std::size_t>(1, elements_.size() / 2000);
-  std::vector<double> nearest;
-  pcl::Indices indices;
-  std::vector<float> distances2;
-  for (std::size_t i = 0; i < elements_.size(); i += step) {
-    if (tree_->find(elements_[i].point, 2, indices, distances2) == 2)
-      nearest.push_back(std::sqrt(static_cast<double>(distances2[1])));
-  }
+  tree_->fill(points);
+  std::vector<double> nearest = tree_->nearest(points);
   if (!nearest.empty()) spacing_m_ = median(nearest);
   std::vector<double> across(elements_.size());
   context.pool.for_ranges(elements_.size(), kGrain, [&](std::size_t begin, std::size_t end) {

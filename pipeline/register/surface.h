@@ -61,6 +61,9 @@ class StationSurface {
   bool signed_ = false;
 };
 
+/// Distances of some of the points, evenly chosen, to their nearest neighbour.
+[[nodiscard]] std::vector<double> nearest_distances(const std::vector<Eigen::Vector3d>& points);
+
 /// One point a voxel, the mean of those in it. Voxels are multiples of `leaf_m`; memory grows with them only.
 class VoxelMeans {
  public:
