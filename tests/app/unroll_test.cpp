@@ -103,8 +103,9 @@ TEST_F(Program, UnrollsAColumnAndTouchesItOverTheSeam) {
     EXPECT_NEAR(v[5], 0.15, 2e-3) << k;
     const double outwards = (v[7] * x + v[9] * z) / std::hypot(x, z);
     EXPECT_NEAR(outwards, 2.0, 0.5) << k;
-    if (!before.empty())
+    if (!before.empty()) {
       EXPECT_LT(std::hypot(v[7] - before[7], v[8] - before[8], v[9] - before[9]), 0.6) << k;  // the seam is not felt
+    }
     before = v;
   }
 
