@@ -23,6 +23,7 @@ without_alsa_plugins() {
 release() {
   cmake --preset release -DSPARSHA_BUILD_TESTS=ON -DSPARSHA_BUILD_BENCH=ON -DSPARSHA_LIBRARY_ASSERTIONS=OFF > /dev/null
   cmake --build build -j"$jobs"
+  cmake --build build -j"$jobs" --target sparsha_packaged  # which a test packs, installs and removes
   SPARSHA_NIGHTLY=1 all_tests build
 }
 
