@@ -24,7 +24,6 @@ constexpr double kSideSamples = 400000;  // points that votes on the sides are c
 constexpr double kMostUndecided = 0.5;   // of the discs: then nothing tells the sides
 constexpr float kOpposite = -0.7F;       // cosine of the normals of the two faces of a wall
 constexpr double kBesideSpacings = 1.5;  // between a disc and the nearest of the opposite face, along the wall
-constexpr int kAgreeing = 3;             // discs that make an opposite face; fewer may be errors
 constexpr double kMostSparse = 0.15;     // of places whose points are twice as far apart as the median
 
 Eigen::Matrix3d turned_frame() { return Eigen::Quaterniond(1.0, 0.3713, -0.2291, 0.5417).normalized().matrix(); }
@@ -114,7 +113,6 @@ std::vector<std::uint8_t> thin_walls(const TangentDiscs& discs, const Normals& n
         for (std::uint32_t d = start[0]; d < start[1]; ++d) {
           const Eigen::Vector3f& normal = normals.normal[d];
           const Eigen::Vector3f foot = place(d);
-          int opposite = 0;
           for (std::size_t j = row > 0 ? row - 1 : 0; j <= std::min(rows - 1, row + 1) && flags[d] == 0; ++j) {
             const std::uint32_t* other = discs.start.get() + j * (columns + 1);
             const std::uint32_t last = other[std::min(columns - 1, column + 1) + 1];
@@ -123,7 +121,6 @@ std::vector<std::uint8_t> thin_walls(const TangentDiscs& discs, const Normals& n
               const Eigen::Vector3f apart = place(k) - foot;
               const float behind = -normal.dot(apart);
               if (std::abs(behind) >= thin || (apart + behind * normal).squaredNorm() >= beside * beside) continue;
-              if (++opposite < kAgreeing) continue;
               flags[d] = 1;
               break;
             }
