@@ -200,7 +200,7 @@ class Registrar {
     pair.hold = found.hold;
     pair.unsure = found.unsure;
     pair.agreement = agree(pair, &PosedScan::medium, medium_touch_m, pair.aligned);
-    judge(pair, guess);
+    judge(pair);
   }
 
   // Where the place of a scanner is guessed, its normals may all face the wrong side.
@@ -211,17 +211,21 @@ class Registrar {
     pair.any_sign = with_sign < 0.3 * without;
   }
 
-  void judge(Pair& pair, const Eigen::Isometry3d& guess) const {
+  void judge(Pair& pair) const {
     if (pair.agreement.overlap < config_.min_overlap || pair.agreement.matches < kLeastMatches) return;
     const bool slides = pair.unsure || pair.agreement.least_information < kLeastInformation ||
                         (pair.hold.matches >= kLeastMatches && pair.hold.least_information < kLeastInformation);
     pair.fit.use = slides ? PairFit::Use::weak : PairFit::Use::used;
     if (pair.fit.use == PairFit::Use::used && !(pair.hold.holds() && pair.hold.matches >= kLeastMatches))
       pair.fit.use = PairFit::Use::rejected;
+    if (moved_too_far(pair)) pair.fit.use = PairFit::Use::rejected;
+  }
+
+  // Farther than rough poses may be wrong.
+  [[nodiscard]] bool moved_too_far(const Pair& pair) const {
+    const Eigen::Isometry3d guess = relative(pair, rough_);
     const double turn = Eigen::AngleAxisd(Eigen::Matrix3d(guess.linear().transpose() * pair.aligned.linear())).angle();
-    if (turn > kMostTurn || moved_m(pair, guess) > kMostShift * posed_.longest_m()) {
-      pair.fit.use = PairFit::Use::rejected;
-    }
+    return turn > kMostTurn || moved_m(pair, guess) > kMostShift * posed_.longest_m();
   }
 
   // How far the pair's own result lies from another relative pose: RMS over the second scan.
@@ -282,12 +286,24 @@ class Registrar {
     const std::string hint = advice(posed_.scans[lost], posed_.scans[beside]);
     switch (best->fit.use) {
       case PairFit::Use::weak:
+        if (best->unsure) {
+          return input_error(
+              name, "this scan holds nearly as well in more than one place on " + other,
+              "denser points, scans from places between the two, or rough poses nearer to the truth" + hint);
+        }
         return input_error(
             name,
             "what this scan and " + other +
                 " have in common can slide (a plane, a cylinder or a sphere), so its pose is not determined",
             "scans that share corners, edges or carving, or a part of another scan that holds both");
       case PairFit::Use::rejected:
+        if (!moved_too_far(*best)) {
+          return input_error(
+              name,
+              "where this scan lies best on " + other +
+                  ", too little of what could tell its place agrees within the noise",
+              "denser points, scans from places between the two, or rough poses nearer to the truth" + hint);
+        }
         return input_error(
             name,
             fmt::format("aligning this scan with {} moves it by {}, farther than a rough pose may be wrong", other,
@@ -370,8 +386,7 @@ class Registrar {
       measure_after(pair);
       if (!pair.tried && pair.fit.after.matches > 0) measure_before(pair);
     });
-    for (Pair& pair : pairs_)
-      if (pair.tried && pair.fit.after.matches == 0) measure_after(pair);  // with nothing in common: its distance
+    for (Pair& pair : pairs_) pair.fit.after.within_m = fine_touch_m_;  // also of those that have nothing in common
   }
 
   // Chance puts points of two scans near each other as well; of one surface they lie as near as noise and form allow.
