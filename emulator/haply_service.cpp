@@ -1,8 +1,10 @@
 #include "emulator/haply_service.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <utility>
@@ -29,7 +31,81 @@ Vec3 force_on_hand(const Vec3& service_n) { return {service_n[0], service_n[2], 
 
 Json xyz(const Vec3& vector) { return {{"x", vector[0]}, {"y", vector[1]}, {"z", vector[2]}}; }
 
+/// 0 where it is missing or no number.
+double number_at(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number() ? found->get<double>() : 0.0;
+}
+
 double size_of(const Vec3& vector) { return std::hypot(vector[0], vector[1], vector[2]); }
+
+/// Which of the service's axes are a client's, and their signs: "X-ZY" is x, -z, y.
+struct Basis {
+  std::string text = "XYZ";
+  std::array<std::size_t, 3> axis{0, 1, 2};
+  Vec3 sign{1.0, 1.0, 1.0};
+
+  /// False, and unchanged, where the text is no permutation.
+  bool set(const std::string& permutation) {
+    Basis read;
+    read.text = permutation;
+    std::size_t count = 0;
+    double sign_of_next = 1.0;
+    std::array<bool, 3> seen{};
+    for (const char one : permutation) {
+      if (one == '+' || one == '-') {
+        sign_of_next = one == '-' ? -1.0 : 1.0;
+        continue;
+      }
+      if (one < 'X' || one > 'Z' || count == 3) return false;
+      const auto which = static_cast<std::size_t>(one - 'X');
+      seen[which] = true;
+      read.axis[count] = which;
+      read.sign[count++] = std::exchange(sign_of_next, 1.0);
+    }
+    if (!seen[0] || !seen[1] || !seen[2]) return false;
+    *this = read;
+    return true;
+  }
+  [[nodiscard]] Vec3 to_client(const Vec3& service) const {
+    Vec3 client{};
+    for (std::size_t i = 0; i < 3; ++i) client[i] = sign[i] * service[axis[i]];
+    return client;
+  }
+  [[nodiscard]] Vec3 to_service(const Vec3& client) const {
+    Vec3 service{};
+    for (std::size_t i = 0; i < 3; ++i) service[axis[i]] = sign[i] * client[i];
+    return service;
+  }
+};
+
+/// The same in a way that a client may meet with another version: exponents, ids last, keys and kinds that nobody
+/// knows.
+std::string in_other_words(const Json& list, const Json& grip) {
+  const auto exponents = [](const Json& vector) {
+    std::string text = "{\"unit\":\"si\"";
+    for (const char* const axis : {"z", "x", "y"}) {
+      std::array<char, 40> number{};
+      std::snprintf(number.data(), number.size(), "%.12E", vector[axis].get<double>());
+      text += std::string(",\"") + axis + "\" : " + number.data();
+    }
+    return text + "}";
+  };
+  std::string text =
+      "{\n\"minverse\":[{\"device_id\":\"M\",\"state\":{\"cursor_position\":{\"x\":9,\"y\":9,\"z\":9}}}],"
+      "\"time\":[1,[2,{\"inverse3\":[]}]],\"inverse3\":[";
+  for (const Json& one : list) {
+    if (text.back() != '[') text += ",";
+    text += "{\"status\":{\"new\":[]},\"state\":{\"cursor_position\":" + exponents(one["state"]["cursor_position"]) +
+            ",\"current_cursor_force\":" + exponents(one["state"]["current_cursor_force"]) +
+            ",\"transform\":{\"scale\":{\"x\":1.0}}}";
+    if (one.contains("config")) text += ",\"config\":" + one["config"].dump();
+    text += ",\"device_id\":" + one["device_id"].dump() + "}";
+  }
+  return text + "],\"wireless_verse_grip\":[" + grip.dump() + "]}";
+}
+
+Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
 }  // namespace
 
@@ -41,12 +117,13 @@ struct HaplyService::Client {
   double commanded_s = -1.0;
   std::string held;  ///< an answer that waits for the next
   int session = 0;
+  Basis basis;
+  std::string preset = "defaults";
   std::mt19937 random{7};
 };
 
 HaplyService::HaplyService(HaplyOptions options, Falcon::Hand hand)
     : options_(std::move(options)), hand_(std::move(hand)) {
-  if (options_.keeps_settings) basis_ = "XZY";
   states_ = std::make_unique<system::StreamListener>(options_.port);
   port_ = states_->port();
   if (!options_.version_3_1) {
@@ -94,25 +171,29 @@ void HaplyService::accept(system::StreamListener& listener, bool events) {
   }
 }
 
-std::string HaplyService::state(bool with_config) {
+std::string HaplyService::state(const Client& client, bool with_config) {
   Json list = Json::array();
   const bool gone = options_.disconnect && was_on_;
+  const Vec3 origin_m = client.preset.ends_with("_centered") ? kCentre_m : Vec3{};
   for (int i = 0; i < options_.devices; ++i) {
     if (i == 0 && gone) continue;
     Json one{{"device_id", device_id(i)},
              {"state",
-              {{"cursor_position", xyz(i == 0 ? place_m_ : kCentre_m)},
-               {"cursor_velocity", xyz(velocity_)},
-               {"current_cursor_force", xyz(i == 0 ? applied_n_ : Vec3{})},
+              {{"cursor_position", xyz(client.basis.to_client(minus(i == 0 ? place_m_ : kCentre_m, origin_m)))},
+               {"cursor_velocity", xyz(client.basis.to_client(i == 0 ? velocity_ : Vec3{}))},
+               {"current_cursor_force", xyz(client.basis.to_client(i == 0 ? applied_n_ : Vec3{}))},
                {"control_domain", "cartesian"},
                {"control_mode", size_of(applied_n_) > 0.0 ? "force" : "idle"}}},
              {"status", {{"calibrated", true}, {"battery", nullptr}}}};
-    if (with_config)
+    if (with_config) {
       one["config"] = {{"type", "inverse3"},
                        {"handedness", "right"},
-                       {"preset", options_.keeps_settings ? "surgery" : "defaults"},
-                       {"basis", {{"permutation", basis_}}},
+                       {"preset", client.preset},
+                       {"basis", {{"permutation", client.basis.text}}},
                        {"filters", {{"force_gate", {{"gain", 0.3}}}, {"damping", {{"scalar", 0.0}}}}}};
+      if (options_.no_preset) one["config"].erase("preset");
+      if (options_.other_words && !options_.no_preset) one["config"]["preset"] = {{"preset", client.preset}};
+    }
     list.push_back(one);
   }
   const Json grip{
@@ -120,12 +201,13 @@ std::string HaplyService::state(bool with_config) {
       {"state",
        {{"orientation", {{"w", 1.0}, {"x", 0.0}, {"y", 0.0}, {"z", 0.0}}},
         {"buttons", {{"a", (buttons_ & 1U) != 0}, {"b", (buttons_ & 2U) != 0}, {"c", (buttons_ & 4U) != 0}}}}}};
-  return Json{{"inverse3", list}, {"verse_grip", Json::array({grip})}}.dump();
+  if (!options_.other_words) return Json{{"inverse3", list}, {"verse_grip", Json::array({grip})}}.dump();
+  return in_other_words(list, grip);
 }
 
-std::string HaplyService::inventory(int session) {
-  Json all = Json::parse(state(true));
-  all["session_id"] = session;
+std::string HaplyService::inventory(const Client& client) {
+  Json all = Json::parse(state(client, true));
+  all["session_id"] = client.session;
   return all.dump();
 }
 
@@ -160,24 +242,43 @@ bool HaplyService::fault_is_on() {
   return on;
 }
 
-void HaplyService::take(Client& client, const std::string& text, bool& configured) {
+void HaplyService::configure(Client& client, const std::string& permutation, const std::string& preset) {
+  if (!permutation.empty()) client.basis.set(permutation);
+  if (!preset.empty()) client.preset = preset;
+  if (!options_.keeps_settings) return;
+  client.basis.set("XZY");
+  client.preset = "custom";
+}
+
+bool HaplyService::take(Client& client, const std::string& text) {
   const Json message = Json::parse(text, nullptr, false);
-  if (message.is_discarded() || !message.is_object()) return;
-  if (message.contains("session")) configured = true;
+  if (message.is_discarded() || !message.is_object()) return false;
+  const auto text_at = [](const Json& json, const char* where) {
+    const Json::json_pointer pointer{std::string(where)};
+    return json.contains(pointer) && json[pointer].is_string() ? json[pointer].get<std::string>() : std::string();
+  };
+  configure(client, text_at(message, "/session/configure/basis/permutation"), {});
+  const bool asks = message.contains(Json::json_pointer("/session/force_render_full_state"));
   client.commanded_n = {};
   client.commanded_s = now_s();
   ++commands_;
-  if (!message.contains("inverse3") || !message["inverse3"].is_array()) return;
+  if (!message.contains("inverse3") || !message["inverse3"].is_array()) return asks;
   for (const Json& one : message["inverse3"]) {
-    if (one.value("device_id", "") != device_id(0)) continue;
-    const Json::json_pointer where(std::string("/commands/set_cursor_force/") +
-                                   (options_.version_3_1 ? "values" : "vector"));
-    const Json force = one.contains(where) ? one[where] : Json::object();
-    client.commanded_n = {force.value("x", 0.0), force.value("y", 0.0), force.value("z", 0.0)};
+    if (!one.is_object() || text_at(one, "/device_id") != device_id(0)) continue;
+    configure(client, text_at(one, "/configure/basis/permutation"), text_at(one, "/configure/preset/preset"));
+    // What is deprecated is still taken by a service of 3.5.
+    for (const char* const key : {"vector", "values"}) {
+      const Json::json_pointer where(std::string("/commands/set_cursor_force/") + key);
+      if (!one.contains(where) || !one[where].is_object() || (options_.version_3_1 && key[1] == 'e')) continue;
+      const Json& force = one[where];
+      client.commanded_n =
+          client.basis.to_service({number_at(force, "x"), number_at(force, "y"), number_at(force, "z")});
+    }
   }
   const bool pushes = size_of(client.commanded_n) > 0.0;
   if (pushes && first_force_s_ < 0.0) first_force_s_ = now_s();
   if (pushes && told_ && commands_ > commands_told_ + kCrossing) ++unsafe_;
+  return asks;
 }
 
 bool HaplyService::answer(Client& client, const std::string& text) {
@@ -198,11 +299,11 @@ bool HaplyService::answer(Client& client, const std::string& text) {
 }
 
 void HaplyService::serve(Client& client) {
-  bool configured = false, config_due = false;
   if (!client.events) {
     const std::lock_guard lock(mutex_);
     advance();
-    const std::string text = inventory(client.session);
+    configure(client, {}, {});
+    const std::string text = inventory(client);
     note(true, text);
     if (!client.peer->send(text)) client.ended = true;
   }
@@ -214,12 +315,10 @@ void HaplyService::serve(Client& client) {
     if (got == WebSocketPeer::Got::closed || (options_.dies && on)) client.ended = true;
     if (got != WebSocketPeer::Got::text || client.ended || client.events) continue;
     note(false, text);
-    const bool before = configured;
-    take(client, text, configured);
-    config_due = config_due || (configured && !before);
+    const bool asks = take(client, text);
     advance();
     if (options_.silent && on) continue;
-    std::string answered = state(std::exchange(config_due, false));
+    std::string answered = state(client, asks);
     if (on && !spoilt_ && (options_.malformed || options_.not_framed)) {
       spoilt_ = true;
       if (options_.malformed) answered = "{\"inverse3\": [{\"state\": {\"cursor_position\": {\"x\": 0.0, ";

@@ -38,7 +38,9 @@ struct HaplyOptions {
   bool split = false;           ///< each message in three frames and six writes, always
   bool merged = false;          ///< two answers in one write, always
   bool keeps_settings = false;  ///< another basis, whatever a client configures
-  bool version_3_1 = false;     ///< no events, and forces under `values`
+  bool version_3_1 = false;     ///< no events, and forces under `values` alone
+  bool other_words = false;     ///< exponents, unknown keys and kinds, ids last, a wireless grip, a preset as an object
+  bool no_preset = false;       ///< the configuration tells of none
   double gate = 1.0;            ///< share of the force that the service lets through
 };
 
@@ -77,9 +79,11 @@ class HaplyService {
   void serve(Client& client);
   void watch_events();
   void tell(std::string_view event);
-  std::string inventory(int session);
-  std::string state(bool with_config);
-  void take(Client& client, const std::string& text, bool& configured);
+  std::string inventory(const Client& client);
+  std::string state(const Client& client, bool with_config);
+  /// True when the client asks for the configuration.
+  bool take(Client& client, const std::string& text);
+  void configure(Client& client, const std::string& permutation, const std::string& preset);
   void advance();
   bool fault_is_on();
   bool answer(Client& client, const std::string& text);
@@ -97,7 +101,6 @@ class HaplyService {
   std::uint8_t buttons_ = 0;
   std::uint64_t commands_ = 0, unsafe_ = 0, commands_told_ = 0;
   bool told_ = false, was_on_ = false, ever_on_ = false, spoilt_ = false;
-  std::string basis_ = "XYZ";
   std::uint16_t port_ = 0, events_port_ = 0;
   std::unique_ptr<system::StreamListener> states_, events_;
   std::atomic<bool> stopping_{false};

@@ -37,7 +37,11 @@ const Fault kFaults[] = {
     {"merged-frames", "two answers come at once", [](Options& o) { o.merged = true; }},
     {"keeps-settings", "basis and preset are others, whatever is configured",
      [](Options& o) { o.keeps_settings = true; }},
-    {"version-3.1", "an older service: no events, forces under `values`", [](Options& o) { o.version_3_1 = true; }},
+    {"other-words", "exponents, unknown keys and kinds, ids last, a wireless grip",
+     [](Options& o) { o.other_words = true; }},
+    {"no-preset", "the configuration tells of no preset", [](Options& o) { o.no_preset = true; }},
+    {"version-3.1", "an older service: no events, forces under `values` alone",
+     [](Options& o) { o.version_3_1 = true; }},
     {"gate", "the force gate lets 60 % through", [](Options& o) { o.gate = 0.6; }},
     {"two-devices", "there are two", [](Options& o) { o.devices = 2; }},
 };

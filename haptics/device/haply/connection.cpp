@@ -9,19 +9,14 @@ namespace {
 using Steady = std::chrono::steady_clock;
 
 constexpr double kGreeting_s = 1.0;
-constexpr double kReadBack_s = 0.2;
-constexpr int kReadBackMessages = 20;
+constexpr double kReadBack_s = 0.5;
+constexpr int kReadBackMessages = 8;
 constexpr std::chrono::milliseconds kLook{20};
 constexpr int kLooksBetweenTries = 25;
 
 constexpr DeviceAdvice kNoService{"device_no_service", true};
 
 double since(Steady::time_point then) { return std::chrono::duration<double>(Steady::now() - then).count(); }
-
-void note_setup(Connection& connection, const ServiceState& state) {
-  if (!state.has_basis && !state.has_preset) return;
-  connection.set_up = state.has_basis && state.right_basis && state.has_preset && state.right_preset;
-}
 
 /// The inventory comes by itself.
 bool read_inventory(Connection& connection, const HaplyOptions& options, ConnectProblem& problem) {
@@ -39,8 +34,7 @@ bool read_inventory(Connection& connection, const HaplyOptions& options, Connect
     else
       connection.id.set(options.device_id);
     if (connection.id.size == 0) return false;
-    connection.inverses = state.inverses;
-    note_setup(connection, state);
+    connection.ids = device_ids(text);
     connection.position_m = state.position_m;
     return true;
   }
@@ -48,11 +42,14 @@ bool read_inventory(Connection& connection, const HaplyOptions& options, Connect
   return false;
 }
 
-/// What the service tells after the settings were sent. One that tells nothing more has told it in its inventory.
+/// What the service tells after the settings were sent, asked for in messages of their own: what it told before counts
+/// for nothing, and its usual answers leave the configuration out.
 bool read_back(Connection& connection) {
   std::array<char, 512> text{};
-  const std::size_t size = write_setup(text, connection.id.view(), connection.force_key);
-  if (size == 0 || connection.states->send({text.data(), size}) != WebSocket::Status::ok) return false;
+  const auto send = [&](std::size_t size) {
+    return size > 0 && connection.states->send({text.data(), size}) == WebSocket::Status::ok;
+  };
+  if (!send(write_setup(text, connection.id.view(), connection.force_key))) return false;
   const Steady::time_point began = Steady::now();
   for (int message = 0; message < kReadBackMessages && since(began) < kReadBack_s; ++message) {
     std::string_view answer;
@@ -60,10 +57,10 @@ bool read_back(Connection& connection) {
     if (status == WebSocket::Status::nothing) break;
     ServiceState state;
     if (status != WebSocket::Status::ok || !read_state(answer, connection.id.view(), state)) return false;
-    note_setup(connection, state);
-    connection.position_m = state.position_m;
-    if (state.has_basis) break;
-    if (connection.send_force(Eigen::Vector3d::Zero()) != WebSocket::Status::ok) return false;
+    if (state.has_position) connection.position_m = state.position_m;
+    connection.set_up = state.is_set_up();
+    if (connection.set_up) break;
+    if (!send(write_full_state_request(text, connection.id.view(), connection.force_key))) return false;
   }
   return true;
 }

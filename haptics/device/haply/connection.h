@@ -5,7 +5,9 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "haptics/device/device.h"
 #include "haptics/device/haply/haply.h"
@@ -23,8 +25,8 @@ struct Connection {
   std::unique_ptr<WebSocket> events;  ///< null where the service has no such port
   DeviceId id;
   ForceKey force_key = ForceKey::vector;
-  bool set_up = false;  ///< basis and preset have been read back
-  int inverses = 0;
+  bool set_up = false;           ///< basis and preset have been read back after they were set
+  std::vector<std::string> ids;  ///< of every Inverse3 when it was greeted
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
 
   WebSocket::Status send_force(const Eigen::Vector3d& force_n) noexcept;

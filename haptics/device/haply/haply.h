@@ -16,8 +16,9 @@ struct HaplyOptions {
   std::uint16_t port = 10001;         ///< of states and forces
   std::uint16_t events_port = 10020;  ///< of what happens, the emergency brake among it
   std::string device_id;              ///< empty: the first Inverse3
-  /// The device frame's origin in the service's frame, metres: the middle of the workspace.
-  Eigen::Vector3d centre_m{0.0, -0.1, 0.17};
+  /// The device frame's origin in the service's frame, metres: with the preset that is set, the middle of the
+  /// workspace.
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
   /// Begin without a service or a device, and take the first that can be had.
   bool wait_for_device = false;
   std::function<bool()> stop;  ///< asked while opening; true ends it: Cancelled

@@ -39,8 +39,9 @@ class HaplyDevice final : public Device {
  public:
   HaplyDevice(std::unique_ptr<Connection> connection, const HaplyOptions& options)
       : options_(options), info_(haply_info()), finder_(options) {
-    if (connection && connection->inverses > 1)
-      info_.warning += "; there are " + std::to_string(connection->inverses) + " Inverse3, and the first is taken";
+    if (connection && connection->ids.size() > 1 && options.device_id.empty())
+      info_.warning += "; there are " + std::to_string(connection->ids.size()) + " Inverse3, and the first, " +
+                       connection->ids.front() + ", is taken";
     if (connection && !connection->events)
       info_.warning += "; this service tells of no emergency brake: keep a hand at the plug";
     if (connection)
@@ -165,8 +166,8 @@ class HaplyDevice final : public Device {
       lose();
       return;
     }
-    if (state.has_basis || state.has_preset)
-      set_up_ = state.has_basis && state.right_basis && state.has_preset && state.right_preset;
+    if (state.tells_settings()) set_up_ = state.is_set_up();
+    if (state.displaced) set_up_ = false;
     if (state.uncalibrated) calm_ = false;
     buttons_ = state.buttons;
     // The same turn, seen in our frame.
@@ -310,8 +311,11 @@ DeviceKind haply_kind() {
           "the Inverse3 of Haply's Inverse Service",
           [](const DeviceRequest& request) -> std::vector<FoundDevice> {
             ConnectProblem problem{};
-            if (connect(options_of(request), problem)) return {{"", true, "", {}}};
-            return {{"", false, missing(problem).wrong(), {}}};
+            const std::unique_ptr<Connection> connection = connect(options_of(request), problem);
+            if (!connection) return {{"", false, missing(problem).wrong(), {}}};
+            std::vector<FoundDevice> found;
+            for (const std::string& id : connection->ids) found.push_back({id, true, "", {}});
+            return found;
           },
           [](const DeviceRequest& request) { return make_haply_device(options_of(request)); },
           {}};

@@ -12,6 +12,7 @@ namespace {
 using Kind = JsonValue::Kind;
 
 constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
+constexpr double kDisplaced = 1e-4;  // of a transform: metres, parts of a quaternion, scale
 
 /// Gathers x, y, z below a path; true once all are there.
 void take_axis(std::string_view key, const JsonValue& value, Eigen::Vector3d& vector, unsigned& seen) {
@@ -50,6 +51,11 @@ class StateReader {
   }
 
  private:
+  /// Of a transform that does nothing.
+  [[nodiscard]] static double rest_of(std::string_view part, std::string_view axis) noexcept {
+    return part == "scale" || (part == "rotation" && axis == "w") ? 1.0 : 0.0;
+  }
+
   void inverse(const JsonPath& path, const JsonValue& value) {
     if (path.size() == 2) {
       keep();
@@ -66,12 +72,16 @@ class StateReader {
       take_axis(path[4].key, value, one_.force_n, force_);
     if (path.ends_from(2, "config", "basis", "permutation")) {
       one_.has_basis = true;
-      one_.right_basis = value.kind == Kind::text && value.text == "XYZ";
+      one_.right_basis = value.kind == Kind::text && value.text == kBasis;
     }
-    if (path.ends_from(2, "config", "preset")) {
+    // A text, or an object as it is written.
+    if ((path.ends_from(2, "config", "preset") || path.ends_from(2, "config", "preset", "preset")) &&
+        value.kind == Kind::text) {
       one_.has_preset = true;
-      one_.right_preset = value.kind == Kind::text && value.text == "defaults";
+      one_.right_preset = value.text == kPreset;
     }
+    if (path.size() == 6 && path[2].key == "state" && path[3].key == "transform" && value.kind == Kind::number)
+      one_.displaced = one_.displaced || std::abs(value.number - rest_of(path[4].key, path[5].key)) > kDisplaced;
     if (path.ends_from(2, "status", "calibrated") && value.kind == Kind::boolean) one_.uncalibrated = !value.boolean;
   }
 
@@ -108,6 +118,7 @@ class StateReader {
     state_.right_basis = one_.right_basis;
     state_.has_preset = one_.has_preset;
     state_.right_preset = one_.right_preset;
+    state_.displaced = one_.displaced;
     state_.uncalibrated = one_.uncalibrated;
   }
 
@@ -144,10 +155,17 @@ class Writer {
   bool failed_ = false;
 };
 
-void add_force(Writer& writer, std::string_view id, const Eigen::Vector3d& force_n, ForceKey key) noexcept {
+void add_force(Writer& writer, std::string_view id, const Eigen::Vector3d& force_n, ForceKey key,
+               std::string_view preset = {}) noexcept {
   writer.add(R"("inverse3":[{"device_id":")");
   writer.add(id);
-  writer.add(R"(","commands":{"set_cursor_force":{")");
+  writer.add(R"(",)");
+  if (!preset.empty()) {
+    writer.add(R"("configure":{"preset":{"preset":")");
+    writer.add(preset);
+    writer.add(R"("}},)");
+  }
+  writer.add(R"("commands":{"set_cursor_force":{")");
   writer.add(key == ForceKey::vector ? "vector" : "values");
   writer.add(R"(":{"x":)");
   writer.add(force_n.x());
@@ -170,6 +188,15 @@ bool read_state(std::string_view text, std::string_view wanted, ServiceState& st
   StateReader reader(wanted, state);
   if (!walk_json(text, reader)) return false;
   return reader.finish();
+}
+
+std::vector<std::string> device_ids(std::string_view text) {
+  std::vector<std::string> ids;
+  const auto visit = [&](const JsonPath& path, const JsonValue& value) {
+    if (path.size() == 3 && path[0].key == "inverse3" && path.ends_from(2, "device_id") && value.kind == Kind::text)
+      ids.emplace_back(value.text);
+  };
+  return walk_json(text, visit) ? ids : std::vector<std::string>();
 }
 
 bool read_event(std::string_view text, std::string_view wanted, ServiceEvent& event) noexcept {
@@ -198,8 +225,16 @@ bool read_event(std::string_view text, std::string_view wanted, ServiceEvent& ev
 
 std::size_t write_setup(std::span<char> text, std::string_view id, ForceKey key) noexcept {
   Writer writer(text);
-  writer.add(R"({"session":{"configure":{"profile":{"name":"sparsha"},"preset":"defaults",)"
-             R"("basis":{"permutation":"XYZ"}}},)");
+  writer.add(R"({"session":{"configure":{"profile":{"name":"sparsha"},"basis":{"permutation":")");
+  writer.add(kBasis);
+  writer.add(R"("}}},)");
+  add_force(writer, id, Eigen::Vector3d::Zero(), key, kPreset);
+  return writer.size();
+}
+
+std::size_t write_full_state_request(std::span<char> text, std::string_view id, ForceKey key) noexcept {
+  Writer writer(text);
+  writer.add(R"({"session":{"force_render_full_state":{}},)");
   add_force(writer, id, Eigen::Vector3d::Zero(), key);
   return writer.size();
 }

@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -31,16 +33,25 @@ struct ServiceState {
   bool has_force = false;  ///< what the service lets through to the motors
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
   bool has_basis = false, right_basis = false;    ///< config.basis.permutation, and it is XYZ
-  bool has_preset = false, right_preset = false;  ///< config.preset, and it is "defaults"
+  bool has_preset = false, right_preset = false;  ///< config.preset, and it is kPreset
+  bool displaced = false;                         ///< state.transform moves, turns or scales what the service tells
   bool uncalibrated = false;                      ///< status.calibrated is false
   bool has_orientation = false;
   std::array<double, 4> orientation{};  ///< of the first grip: w, x, y, z
   std::uint64_t buttons = 0;            ///< a, b, c as bits 0, 1, 2
   bool is_state = false;                ///< it has a list of Inverse3
+
+  [[nodiscard]] bool tells_settings() const noexcept { return has_basis || has_preset; }
+  [[nodiscard]] bool is_set_up() const noexcept {
+    return has_basis && right_basis && has_preset && right_preset && !displaced;
+  }
 };
 
 /// False when the message is no JSON object, or a number of it is none. Unknown keys and kinds are passed over.
 [[nodiscard]] bool read_state(std::string_view text, std::string_view wanted, ServiceState& state) noexcept;
+
+/// Of every Inverse3 that a message lists, in its order; empty where it is no message.
+[[nodiscard]] std::vector<std::string> device_ids(std::string_view text);
 
 /// What an event of the second port means for the force.
 struct ServiceEvent {
@@ -54,8 +65,17 @@ struct ServiceEvent {
 /// How a force is written: services of 3.5 want `vector`, older ones `values`.
 enum class ForceKey : std::uint8_t { vector, values };
 
-/// The first message: session and basis, and no force. Its size; 0 where it does not fit.
+/// The factory configuration that is asked for: its origin is the middle of the workspace, its arm looks forward (the
+/// vendor's page on mount and workspace, 3.5).
+inline constexpr std::string_view kPreset = "arm_front_centered";
+/// x right, y forward, z up: the service's own axes.
+inline constexpr std::string_view kBasis = "XYZ";
+
+/// The first message: session, basis and preset, and no force. Its size; 0 where it does not fit.
 [[nodiscard]] std::size_t write_setup(std::span<char> text, std::string_view id, ForceKey key) noexcept;
+/// Asks for an answer that tells the configuration again, which others leave out; no force. Its size; 0 where it does
+/// not fit.
+[[nodiscard]] std::size_t write_full_state_request(std::span<char> text, std::string_view id, ForceKey key) noexcept;
 /// The message of a tick.
 [[nodiscard]] std::size_t write_force(std::span<char> text, std::string_view id, const Eigen::Vector3d& force_n,
                                       ForceKey key) noexcept;

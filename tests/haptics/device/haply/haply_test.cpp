@@ -14,7 +14,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
@@ -25,6 +24,7 @@
 #include "emulator/person.h"
 #include "haptics/conformance/conformance.h"
 #include "haptics/servo/servo.h"
+#include "tests/haptics/device/haply/emulated_service.h"
 #include "tests/support/allocations.h"
 #include "tests/support/servo_parts.h"
 
@@ -32,70 +32,6 @@ namespace sparsha::haptics::haply {
 namespace {
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
-
-class Service {
- public:
-  explicit Service(emulator::HaplyOptions options = {}) : Service(options, emulator::make_person()) {}
-  Service(emulator::HaplyOptions options, emulator::Falcon::Hand hand) {
-    options.port = options.events_port = 0;
-    service = std::make_unique<emulator::HaplyService>(options, std::move(hand));
-    service->set_log([this](const emulator::HaplyMessage& message) {
-      const std::lock_guard lock(mutex_);
-      log_.push_back(message);
-    });
-    client.port = service->port();
-    client.events_port = service->events_port();
-  }
-  [[nodiscard]] std::vector<emulator::HaplyMessage> log() {
-    const std::lock_guard lock(mutex_);
-    return log_;
-  }
-
-  HaplyOptions client;
-  std::unique_ptr<emulator::HaplyService> service;
-
- private:
-  std::mutex mutex_;
-  std::vector<emulator::HaplyMessage> log_;
-};
-
-/// Faults soon after the first force, and long enough to be seen.
-emulator::HaplyOptions soon() {
-  emulator::HaplyOptions options;
-  options.fault_after_s = 0.3;
-  options.fault_s = 0.3;
-  return options;
-}
-
-/// Newtons of a client's message; negative when it is none.
-double asked_n(const emulator::HaplyMessage& message) {
-  if (message.to_client) return -1.0;
-  const Json json = Json::parse(message.text, nullptr, false);
-  if (json.is_discarded()) return -1.0;
-  const Json& command = json["inverse3"][0]["commands"]["set_cursor_force"];
-  const Json& force = command.contains("vector") ? command["vector"] : command["values"];
-  return std::hypot(force["x"].get<double>(), force["y"].get<double>(), force["z"].get<double>());
-}
-
-struct Running {
-  explicit Running(Device& device, double rate_hz = 1000.0, double patience_s = 0.2)
-      : servo(device, options_of_rate(rate_hz, patience_s), window_on(sparsha::test::flat_scene()), state, {},
-              nullptr) {
-    servo.start();
-  }
-  ~Running() { servo.stop(); }
-  static ServoOptions options_of_rate(double rate_hz, double patience_s) {
-    ServoOptions options = patient(patience_s);
-    options.renderer.rate_hz = rate_hz;
-    return options;
-  }
-  Seqlock<State> state;
-  Servo servo;
-};
-
-bool says(const Device& device, const std::string& phrase) {
-  return eventually([&] { return device.advice() != nullptr && device.advice()->phrase == phrase; });
-}
 
 TEST(Haply, APlaneIsFeltAndTheLastCommandsAreZero) {
   Service emulated;

@@ -125,7 +125,7 @@ TEST(HaplyJson, NoPrefixAndNoChangedByteOfAMessageReadsPastItsEnd) {
 TEST(HaplyMessages, StatesOfSeveralServicesAreUnderstoodWithoutAllocation) {
   const std::string text =
       R"({"session_id":3,"unknown":{"deep":[[1,2],{"inverse3":[{}]}]},"inverse3":[{"state":{"cursor_position":)"
-      R"({"x":0.5,"y":0.5,"z":0.5}},"device_id":"OTHER"},{"config":{"preset":"defaults","basis":{"permutation":"XYZ"}},)"
+      R"({"x":0.5,"y":0.5,"z":0.5}},"device_id":"OTHER"},{"config":{"preset":"arm_front_centered","basis":{"permutation":"XYZ"}},)"
       R"("state":{"cursor_position":{"x":1.1E-2,"y":-0.098,"z":159e-3},"current_cursor_force":{"x":0,"y":0.4,"z":1.25}},)"
       R"("status":{"calibrated":true},"device_id":"0A1B"}],)"
       R"("verse_grip":[{"state":{"buttons":{"a":true,"b":false,"c":true},"orientation":{"w":1,"x":0,"y":0,"z":0}}}]})";
