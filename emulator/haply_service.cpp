@@ -119,6 +119,7 @@ struct HaplyService::Client {
   int session = 0;
   Basis basis;
   std::string preset = "defaults";
+  double damping_n_s_per_m = 0.0;
   std::mt19937 random{7};
 };
 
@@ -167,6 +168,7 @@ void HaplyService::accept(system::StreamListener& listener, bool events) {
     client.peer = std::move(peer);
     client.events = events;
     client.session = ++sessions;
+    client.damping_n_s_per_m = options_.damping_n_s_per_m;
     servers_.emplace_back([this, &client] { serve(client); });
   }
 }
@@ -186,11 +188,12 @@ std::string HaplyService::state(const Client& client, bool with_config) {
                {"control_mode", size_of(applied_n_) > 0.0 ? "force" : "idle"}}},
              {"status", {{"calibrated", true}, {"battery", nullptr}}}};
     if (with_config) {
-      one["config"] = {{"type", "inverse3"},
-                       {"handedness", "right"},
-                       {"preset", client.preset},
-                       {"basis", {{"permutation", client.basis.text}}},
-                       {"filters", {{"force_gate", {{"gain", 0.3}}}, {"damping", {{"scalar", 0.0}}}}}};
+      one["config"] = {
+          {"type", "inverse3"},
+          {"handedness", "right"},
+          {"preset", client.preset},
+          {"basis", {{"permutation", client.basis.text}}},
+          {"filters", {{"force_gate", {{"gain", 0.3}}}, {"damping", {{"scalar", client.damping_n_s_per_m}}}}}};
       if (options_.no_preset) one["config"].erase("preset");
       if (options_.other_words && !options_.no_preset) one["config"]["preset"] = {{"preset", client.preset}};
     }
@@ -214,20 +217,24 @@ std::string HaplyService::inventory(const Client& client) {
 // The motors hold the sum of all commands of this tick; the hand moves by it.
 void HaplyService::advance() {
   const double time_s = now_s();
-  Vec3 sum{};
+  Vec3 sum{}, drag{};
   for (const auto& client : clients_)
     if (!client->ended && !client->events && client->commanded_s >= 0.0 &&
         time_s - client->commanded_s <= options_.tick_s)
-      for (std::size_t i = 0; i < 3; ++i) sum[i] += client->commanded_n[i] * options_.gate;
+      for (std::size_t i = 0; i < 3; ++i) {
+        sum[i] += client->commanded_n[i] * options_.gate;
+        drag[i] -= client->damping_n_s_per_m * velocity_[i];
+      }
   const bool stopped = (options_.brake || options_.disconnect) && was_on_;
   if (options_.second_client && was_on_) sum[2] += kOther_n;
-  if (stopped) sum = {};
-  applied_n_ = sum;
+  if (stopped) sum = drag = {};
   strongest_n_ = std::max(strongest_n_, size_of(sum));
-  const Grip grip = hand_({time_s, force_on_hand(sum), kBlue});
+  for (std::size_t i = 0; i < 3; ++i) applied_n_[i] = sum[i] + drag[i];
+  const Grip grip = hand_({time_s, force_on_hand(applied_n_), kBlue});
   const Vec3 place_m = to_service(grip.place_m);
   const double passed_s = std::max(1e-4, time_s - advanced_s_);
-  for (std::size_t i = 0; i < 3; ++i) velocity_[i] = (place_m[i] - place_m_[i]) / passed_s;
+  for (std::size_t i = 0; seen_ && i < 3; ++i) velocity_[i] = (place_m[i] - place_m_[i]) / passed_s;
+  seen_ = true;
   place_m_ = place_m;
   buttons_ = grip.buttons;
   advanced_s_ = time_s;
@@ -266,6 +273,9 @@ bool HaplyService::take(Client& client, const std::string& text) {
   for (const Json& one : message["inverse3"]) {
     if (!one.is_object() || text_at(one, "/device_id") != device_id(0)) continue;
     configure(client, text_at(one, "/configure/basis/permutation"), text_at(one, "/configure/preset/preset"));
+    const Json::json_pointer damping("/configure/damping/scalar");
+    if (one.contains(damping) && one[damping].is_number() && !options_.keeps_settings)
+      client.damping_n_s_per_m = std::clamp(one[damping].get<double>(), 0.0, 20.0);
     // What is deprecated is still taken by a service of 3.5.
     for (const char* const key : {"vector", "values"}) {
       const Json::json_pointer where(std::string("/commands/set_cursor_force/") + key);

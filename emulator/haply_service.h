@@ -42,6 +42,7 @@ struct HaplyOptions {
   bool other_words = false;     ///< exponents, unknown keys and kinds, ids last, a wireless grip, a preset as an object
   bool no_preset = false;       ///< the configuration tells of none
   double gate = 1.0;            ///< share of the force that the service lets through
+  double damping_n_s_per_m = 0.0;  ///< until a client sets it
 };
 
 /// A message, either way.
@@ -66,6 +67,7 @@ class HaplyService {
 
   /// On the motors now, newtons: zero a tick after the last command.
   [[nodiscard]] double force_n();
+  /// Of the commanded forces that went to the motors, without the service's damping.
   [[nodiscard]] double strongest_n();
   /// Commands of a force other than zero while the brake was on, or to a device that was not there.
   [[nodiscard]] std::uint64_t unsafe_commands();
@@ -100,7 +102,7 @@ class HaplyService {
   Vec3 place_m_{}, velocity_{};
   std::uint8_t buttons_ = 0;
   std::uint64_t commands_ = 0, unsafe_ = 0, commands_told_ = 0;
-  bool told_ = false, was_on_ = false, ever_on_ = false, spoilt_ = false;
+  bool told_ = false, was_on_ = false, seen_ = false, ever_on_ = false, spoilt_ = false;
   std::uint16_t port_ = 0, events_port_ = 0;
   std::unique_ptr<system::StreamListener> states_, events_;
   std::atomic<bool> stopping_{false};

@@ -10,6 +10,7 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <string>
 #include <utility>
@@ -51,10 +52,40 @@ inline constexpr double kStatedDamping = 2.0;
 
 /// The largest stiffness that docs/touch.md ("Governor") allows in a loop as planned: 0.8 of where a wall that answers
 /// the delay and half a period late takes all of the damping.
-inline double limit_n_per_m(double rate_hz, int declared_ticks = 1) {
+inline double limit_n_per_m(double rate_hz, int declared_ticks = 1, double damping_n_s_per_m = kStatedDamping) {
   const double delay_s = std::max(declared_ticks / rate_hz, 0.001);
-  return 0.8 * kStatedDamping / (0.5 / rate_hz + delay_s);
+  return 0.8 * damping_n_s_per_m / (0.5 / rate_hz + delay_s);
 }
+
+/// What a vendor's service does to a force on its way to the motors. Its pages tell the order (gate, then damping) and
+/// the settings, not when the gate closes: here when the hand turns back thrice within a tenth of a second, by more
+/// than 0.1 mm each time, and for a tenth of a second after that.
+struct ServiceFilters {
+  double gate_gain = 1.0;          ///< of the force while the gate is closed; 1: no gate
+  double damping_n_s_per_m = 0.0;  ///< against the hand's velocity as the service samples it
+};
+
+class ForceGate {
+ public:
+  /// The hand's place along an axis.
+  void see(double time_s, double place_m) {
+    constexpr double kSwing_m = 1e-4;
+    constexpr double kWithin_s = 0.1;
+    reach_m_ = rising_ ? std::max(reach_m_, place_m) : std::min(reach_m_, place_m);
+    if (std::abs(place_m - reach_m_) > kSwing_m) {
+      rising_ = !rising_;
+      reach_m_ = place_m;
+      turns_s_ = {turns_s_[1], turns_s_[2], time_s};
+      if (turns_s_[2] - turns_s_[0] < kWithin_s) closed_until_s_ = time_s + kWithin_s;
+    }
+  }
+  [[nodiscard]] bool closed(double time_s) const { return time_s < closed_until_s_; }
+
+ private:
+  double reach_m_ = 0.0, closed_until_s_ = -1.0;
+  std::array<double, 3> turns_s_{-10.0, -5.0, -1.0};
+  bool rising_ = false;
+};
 
 /// How the loop really is, and what the device says of itself.
 struct TouchCase {
@@ -76,9 +107,14 @@ struct TouchCase {
   double duration_s = 10.0;
   double encoder_step_m = 20e-6;
   std::uint64_t seed = 1;
+  std::optional<haptics::DeviceInfo> device;  ///< else the test's own
+  std::optional<ServiceFilters> service;      ///< between loop and motors
 };
 
 struct TouchResult {
+  /// Most that reached the hand beyond what the spring held then, as the motors had it, from any moment on.
+  double reached_j = 0.0;
+  double gated = 0.0;         ///< share of the ticks in contact in which the service's gate was closed
   double delivered_j = 0.0;   ///< most that the hand got beyond what the spring gave back, from any moment on
   double swing_m = 0.0;       ///< of the hand along z over the last two seconds
   double calm_s = -1.0;       ///< strikes: when the last swing of more than three encoder steps ended, after contact
@@ -93,6 +129,7 @@ using TickWatcher = std::function<void(const haptics::DeviceSample&, const hapti
 
 /// What the device says of itself.
 inline haptics::DeviceInfo device_of(const TouchCase& c) {
+  if (c.device) return *c.device;
   haptics::DeviceInfo info;
   info.name = "test hand";
   info.limits.delay_ticks = c.declared_ticks;
@@ -113,7 +150,8 @@ inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window, const
   options.stiffness_n_per_m = c.wish_n_per_m;
   haptics::HapticRenderer renderer(info, options, std::move(window));
   if (prepare) prepare(renderer);
-  const double governed_n_per_m = std::min(c.wish_n_per_m, limit_n_per_m(c.configured_hz, c.declared_ticks));
+  const double governed_n_per_m = std::min(
+      c.wish_n_per_m, limit_n_per_m(c.configured_hz, info.limits.delay_ticks, info.limits.least_damping_n_s_per_m));
 
   const auto floor_m = [&](double x, double y) {
     return height_of(c.ground, x + 0.05, y + 0.05) - height_of(c.ground, 0.05, 0.05);
@@ -153,6 +191,10 @@ inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window, const
   Vector3d position = intended(0.0);
   Vector3d velocity = Vector3d::Zero();
   Vector3d measured = position;
+  ForceGate gate;
+  double share = 1.0;  // of the command that the gate let through
+  std::uint64_t gated = 0;
+  double stored_least_j = std::numeric_limits<double>::infinity();
   TouchResult result;
   double work_j = 0.0;
   double least_j = std::numeric_limits<double>::infinity();
@@ -197,9 +239,12 @@ inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window, const
         if (touched_s >= 0.0) {
           least_j = std::min(least_j, work_j + spring_j);
           result.delivered_j = std::max(result.delivered_j, work_j + spring_j - least_j);
+          stored_least_j = std::min(stored_least_j, work_j + share * spring_j);
+          result.reached_j = std::max(result.reached_j, work_j - stored_least_j);
         }
         if (state.contact != 0) {
           ++ticks;
+          if (share < 1.0) ++gated;
           const Vector3d wanted =
               stiffness > 0.0 ? Vector3d(rendered * (governed_n_per_m / stiffness)) : Vector3d::Zero();
           if ((told - wanted).norm() > 0.01 * wanted.norm() + 1e-3) ++altered;
@@ -218,6 +263,11 @@ inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window, const
     while (!on_the_way.empty() && on_the_way.front().time_s <= t) {
       held = on_the_way.front().force_n;
       on_the_way.pop_front();
+      if (c.service) {
+        gate.see(t, position.z());
+        share = gate.closed(t) ? c.service->gate_gain : 1.0;
+        held = share * held - c.service->damping_n_s_per_m * velocity;
+      }
     }
     const Vector3d place = intended(t);
     const Vector3d place_velocity = (intended(t + kStep) - place) / kStep;
@@ -240,6 +290,7 @@ inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window, const
     }
   }
   result.swing_m = high - low;
+  result.gated = ticks > 0 ? static_cast<double>(gated) / static_cast<double>(ticks) : 0.0;
   result.altered = ticks > 0 ? static_cast<double>(altered) / static_cast<double>(ticks) : 0.0;
   result.static_share = wanted_sum > 0.0 ? force_sum / wanted_sum : 0.0;
   return result;

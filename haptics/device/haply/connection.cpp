@@ -59,6 +59,7 @@ bool read_back(Connection& connection) {
     if (status != WebSocket::Status::ok || !read_state(answer, connection.id.view(), state)) return false;
     if (state.has_position) connection.position_m = state.position_m;
     connection.set_up = state.is_set_up();
+    if (state.damping_n_s_per_m >= 0.0) connection.damping_n_s_per_m = state.damping_n_s_per_m;
     if (connection.set_up) break;
     if (!send(write_full_state_request(text, connection.id.view(), connection.force_key))) return false;
   }

@@ -25,8 +25,9 @@ struct Connection {
   std::unique_ptr<WebSocket> events;  ///< null where the service has no such port
   DeviceId id;
   ForceKey force_key = ForceKey::vector;
-  bool set_up = false;           ///< basis and preset have been read back after they were set
-  std::vector<std::string> ids;  ///< of every Inverse3 when it was greeted
+  bool set_up = false;             ///< basis and preset have been read back after they were set
+  std::vector<std::string> ids;    ///< of every Inverse3 when it was greeted
+  double damping_n_s_per_m = 0.0;  ///< of the service, as it was read back
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
 
   WebSocket::Status send_force(const Eigen::Vector3d& force_n) noexcept;

@@ -122,6 +122,8 @@ class HaplyDevice final : public Device {
     connection_ = connection;
     set_up_ = connection->set_up;
     position_m_ = connection->position_m;
+    velocity_m_per_s_.setZero();
+    damping_n_s_per_m_ = connection->damping_n_s_per_m;
     braked_ = shared_ = asked_ = fresh_ = false;
     commanded_n_ = before_n_ = Eigen::Vector3d::Zero();
     match_.clear();
@@ -174,14 +176,27 @@ class HaplyDevice final : public Device {
     const std::array<double, 4>& q = state.orientation;
     orientation_ = {q[0], q[1], q[3], -q[2]};
     if (!state.has_position) return;
+    follow_velocity(state);
     heard_ = Steady::now();
     if (asked_) delay_s_ = since(asked_at_);
     asked_ = false;
     position_m_ = state.position_m;
     fresh_ = true;
     if (!state.has_force) return;
-    match_.see(commanded_n_, before_n_, state.force_n, std::min(delay_s_, 0.01));
+    if (state.damping_n_s_per_m >= 0.0) damping_n_s_per_m_ = state.damping_n_s_per_m;
+    match_.see(commanded_n_, before_n_, state.force_n, -damping_n_s_per_m_ * velocity_m_per_s_,
+               std::min(delay_s_, 0.01));
     if (match_.others()) shared_ = true;
+  }
+
+  /// As the service tells it; from its places where it does not.
+  void follow_velocity(const ServiceState& state) noexcept {
+    constexpr double kShare = 0.2, kShortest_s = 1e-4;  // of a new difference quotient
+    const double passed_s = std::max(kShortest_s, since(heard_));
+    if (state.has_velocity)
+      velocity_m_per_s_ = state.velocity_m_per_s;
+    else
+      velocity_m_per_s_ += kShare * ((state.position_m - position_m_) / passed_s - velocity_m_per_s_);
   }
 
   void watch_events() noexcept {
@@ -233,12 +248,14 @@ class HaplyDevice final : public Device {
   Connection* connection_ = nullptr;  // servo thread
   Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d commanded_n_ = Eigen::Vector3d::Zero(), before_n_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d velocity_m_per_s_ = Eigen::Vector3d::Zero();
   ForceMatch match_;
   std::uint64_t buttons_ = 0;
   std::array<double, 4> orientation_{};
   double delay_s_ = 0.0;
-  bool braked_ = false;  ///< an emergency brake, or another thing that keeps the service from force
-  bool shared_ = false;  ///< somebody else sends forces: until the next connection
+  double damping_n_s_per_m_ = 0.0;  ///< of the service
+  bool braked_ = false;             ///< an emergency brake, or another thing that keeps the service from force
+  bool shared_ = false;             ///< somebody else sends forces: until the next connection
   bool set_up_ = false;
   bool calm_ = true;              ///< nothing has happened in this tick after which a hand must begin anew
   Steady::time_point excited_{};  ///< when something had

@@ -60,7 +60,7 @@ class StateReader {
     if (path.size() == 2) {
       keep();
       one_ = ServiceState();
-      position_ = force_ = 0;
+      position_ = force_ = velocity_ = 0;
       open_ = true;
       ++state_.inverses;
     }
@@ -70,6 +70,10 @@ class StateReader {
       take_axis(path[4].key, value, one_.position_m, position_);
     if (path.size() == 5 && path.ends_from(2, "state", "current_cursor_force", path[4].key))
       take_axis(path[4].key, value, one_.force_n, force_);
+    if (path.size() == 5 && path.ends_from(2, "state", "cursor_velocity", path[4].key))
+      take_axis(path[4].key, value, one_.velocity_m_per_s, velocity_);
+    if (path.ends_from(2, "config", "filters", "damping", "scalar") && value.kind == Kind::number)
+      one_.damping_n_s_per_m = value.number;
     if (path.ends_from(2, "config", "basis", "permutation")) {
       one_.has_basis = true;
       one_.right_basis = value.kind == Kind::text && value.text == kBasis;
@@ -114,6 +118,9 @@ class StateReader {
     state_.position_m = one_.position_m;
     state_.has_force = force_ == 7U;
     state_.force_n = one_.force_n;
+    state_.has_velocity = velocity_ == 7U;
+    state_.velocity_m_per_s = one_.velocity_m_per_s;
+    state_.damping_n_s_per_m = one_.damping_n_s_per_m;
     state_.has_basis = one_.has_basis;
     state_.right_basis = one_.right_basis;
     state_.has_preset = one_.has_preset;
@@ -125,7 +132,7 @@ class StateReader {
   std::string_view wanted_;
   ServiceState& state_;
   ServiceState one_;
-  unsigned position_ = 0, force_ = 0;
+  unsigned position_ = 0, force_ = 0, velocity_ = 0;
   bool open_ = false, object_ = false;
 };
 
@@ -163,7 +170,9 @@ void add_force(Writer& writer, std::string_view id, const Eigen::Vector3d& force
   if (!preset.empty()) {
     writer.add(R"("configure":{"preset":{"preset":")");
     writer.add(preset);
-    writer.add(R"("}},)");
+    writer.add(R"("},"damping":{"scalar":)");
+    writer.add(kServiceDamping);
+    writer.add("}},");
   }
   writer.add(R"("commands":{"set_cursor_force":{")");
   writer.add(key == ForceKey::vector ? "vector" : "values");

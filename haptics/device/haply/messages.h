@@ -32,6 +32,9 @@ struct ServiceState {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
   bool has_force = false;  ///< what the service lets through to the motors
   Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
+  bool has_velocity = false;
+  Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();
+  double damping_n_s_per_m = -1.0;                ///< config.filters.damping.scalar; negative: not told
   bool has_basis = false, right_basis = false;    ///< config.basis.permutation, and it is XYZ
   bool has_preset = false, right_preset = false;  ///< config.preset, and it is kPreset
   bool displaced = false;                         ///< state.transform moves, turns or scales what the service tells
@@ -70,6 +73,9 @@ enum class ForceKey : std::uint8_t { vector, values };
 inline constexpr std::string_view kPreset = "arm_front_centered";
 /// x right, y forward, z up: the service's own axes.
 inline constexpr std::string_view kBasis = "XYZ";
+/// That the service is asked for, N s/m: with less, a force gate that closes and opens in contact gives a hand more
+/// than 10 mJ (docs/touch.md, "Behind a service").
+inline constexpr double kServiceDamping = 2.0;
 
 /// The first message: session, basis and preset, and no force. Its size; 0 where it does not fit.
 [[nodiscard]] std::size_t write_setup(std::span<char> text, std::string_view id, ForceKey key) noexcept;

@@ -73,6 +73,38 @@ TEST(StabilityTable, HoldsAndStrokesOfUndeclaredDelayDeliverLittleAndDoNotSwing)
   std::printf("at most %.2f mJ delivered\n", 1e3 * worst_j);
 }
 
+TEST(StabilityTable, BehindAServiceThatGatesForcesDampingKeepsHandsCalm) {
+  const auto worst = [](double service_damping) {
+    TouchResult most;
+    for (const bool stroke : {false, true})
+      for (const double damping : {0.5, 5.0}) {
+        TouchCase c;
+        c.ground = Ground::relief;
+        c.stroke = stroke;
+        c.damping_n_s_per_m = damping;
+        c.rate_hz = c.configured_hz = 4000.0;
+        c.delay_s = 0.00125;
+        c.duration_s = 5.0;
+        c.device = device_of(c);
+        c.device->limits.least_damping_n_s_per_m = 1.0;
+        c.device->limits.delay_ticks = 2;
+        c.service = ServiceFilters{0.3, service_damping};
+        const TouchResult result = touch(c, ground(c.ground));
+        most.reached_j = std::max(most.reached_j, result.reached_j);
+        most.gated = std::max(most.gated, result.gated);
+        if (!stroke) most.swing_m = std::max(most.swing_m, result.swing_m);
+      }
+    return most;
+  };
+  const TouchResult damped = worst(2.0), bare = worst(0.0);
+  EXPECT_LE(damped.reached_j, kMost_j);
+  EXPECT_LE(damped.swing_m, kMostSteps * TouchCase{}.encoder_step_m);
+  EXPECT_GT(damped.gated, 0.05) << "the gate closes at all";
+  EXPECT_GT(bare.reached_j, 2.0 * damped.reached_j) << "what the damping is for";
+  std::printf("damped %.2f mJ, %.1f um; bare %.2f mJ, %.1f um\n", 1e3 * damped.reached_j, 1e6 * damped.swing_m,
+              1e3 * bare.reached_j, 1e6 * bare.swing_m);
+}
+
 /// The ways in which a tick can be lost.
 struct Loss {
   double share;

@@ -42,6 +42,7 @@ TEST(HaplySettings, AreSetInTheFirstMessageAndAskedForAfterwards) {
   ASSERT_GE(sent.size(), 2U);
   EXPECT_EQ(sent[0]["session"]["configure"]["basis"]["permutation"], "XYZ");
   EXPECT_EQ(sent[0]["inverse3"][0]["configure"]["preset"]["preset"], "arm_front_centered");
+  EXPECT_EQ(sent[0]["inverse3"][0]["configure"]["damping"]["scalar"], kServiceDamping);
   EXPECT_FALSE(sent[0]["session"].contains("force_render_full_state")) << "else it may tell of before";
   EXPECT_TRUE(sent[1]["session"]["force_render_full_state"].is_object());
   for (const Json& message : sent)
@@ -92,7 +93,7 @@ TEST(HaplyForceMatch, DiffersAfterFiftyMillisecondsOfMoreThanATenth) {
   const Eigen::Vector3d asked(0.0, 0.0, 2.0);
   const auto after = [&](double share, int ticks) {
     ForceMatch match;
-    for (int tick = 0; tick < ticks; ++tick) match.see(asked, asked, share * asked, 0.001);
+    for (int tick = 0; tick < ticks; ++tick) match.see(asked, asked, share * asked, Eigen::Vector3d::Zero(), 0.001);
     return match;
   };
   EXPECT_FALSE(after(0.91, 1000).differs()) << "9 % is within";
@@ -104,12 +105,29 @@ TEST(HaplyForceMatch, DiffersAfterFiftyMillisecondsOfMoreThanATenth) {
   EXPECT_FALSE(after(1.1, 1000).others()) << "0.2 N are no other program yet";
   EXPECT_TRUE(after(1.2, 12).others());
   ForceMatch match;
-  for (int tick = 0; tick < 200; ++tick) match.see(asked, asked, (tick % 40 == 0 ? 1.0 : 0.8) * asked, 0.001);
+  for (int tick = 0; tick < 200; ++tick)
+    match.see(asked, asked, (tick % 40 == 0 ? 1.0 : 0.8) * asked, Eigen::Vector3d::Zero(), 0.001);
   EXPECT_FALSE(match.differs()) << "each 40 ms one as commanded";
   ForceMatch steps;
   for (int tick = 0; tick < 200; ++tick)
-    steps.see(tick % 2 == 0 ? asked : -asked, tick % 2 == 0 ? -asked : asked, tick % 2 == 0 ? -asked : asked, 0.001);
+    steps.see(tick % 2 == 0 ? asked : -asked, tick % 2 == 0 ? -asked : asked, tick % 2 == 0 ? -asked : asked,
+              Eigen::Vector3d::Zero(), 0.001);
   EXPECT_FALSE(steps.differs()) << "what arrives may be the command of before";
+}
+
+TEST(HaplyForceMatch, TheDampingThatWasAskedForIsNoOtherProgramAndNoDifference) {
+  const Eigen::Vector3d asked(0.0, 0.0, 1.0);
+  for (const Eigen::Vector3d& drag : {Eigen::Vector3d(0.8, 0.0, 0.0), Eigen::Vector3d(0.0, 0.0, -0.5)})
+    for (const bool told : {true, false}) {
+      ForceMatch match;
+      for (int tick = 0; tick < 200; ++tick) match.see(asked, asked, told ? asked + drag : asked, drag, 0.001);
+      EXPECT_FALSE(match.differs()) << drag.transpose();
+      EXPECT_FALSE(match.others()) << drag.transpose();
+      EXPECT_EQ(match.share(), 1.0) << drag.transpose();
+    }
+  ForceMatch pushed;
+  for (int tick = 0; tick < 20; ++tick) pushed.see(asked, asked, 2.0 * asked, Eigen::Vector3d(0.1, 0.0, 0.0), 0.001);
+  EXPECT_TRUE(pushed.others());
 }
 
 TEST(HaplyRealTime, NothingIsLockedBetweenAnswerAndForceAtOneAndFourKilohertz) {
