@@ -27,13 +27,14 @@ constexpr double kThin = 30.0;      // point spacings between layers
 constexpr double kThinNodes = 3.0;  // node spacings
 constexpr double kFewPoints = 1.3;  // point spacings between nodes
 constexpr double kTilted = 0.1;     // mean slope
-// Where points are this sparse at more places, discs would miss them,
+// Where points on lines, or of a cloud without planes, are this sparse at more places, discs would miss them.
 constexpr double kMostSparse = 0.15;
-// and at so many, discs are wider where points are sparse.
+// Where at more places sparse points lie in a plane, discs are wider there.
 constexpr double kSomeSparse = 0.04;
+// Where at more places points are sparse however wide one looks, they are scattered in space.
+constexpr double kSomeScattered = 0.01;
 constexpr double kWidestTimes = 4.0;  // as wide, at most
 constexpr double kSparse = 2.0;       // medians between points of sparse regions
-constexpr double kSparseFlat = 0.5;   // of sparse places that are surface
 // Where places have another layer below the highest, a hole may show it.
 constexpr double kSomeLayered = 0.1;
 // Where more of what is seen first faces away, something else than holes is the reason.
@@ -90,32 +91,26 @@ struct UnevenSurface {
   SurfaceStatistics surface;
   double times = 1.0;
   double wider_share = 0.0;  ///< of places that need them
+  bool scattered = false;    ///< places are sparse however wide one looks
 };
 
 // Regions that were scanned from afar have fewer points than neighbourhoods of the median spacing need: these are
 // looked at again, wider, until they are found. Where dense regions have no planes, there is no surface to be found.
+// Scattered points are sparse, too, but few of them lie in a plane by chance: they need no wider discs.
 UnevenSurface uneven_surface(const OrientedPieces& pieces, const Extent& extent, double spacing_m, bool on_lines,
                              ThreadPool& pool) {
   UnevenSurface result{surface_statistics(pieces, extent, spacing_m, on_lines, pool)};
   double sparse_share = result.surface.sparse_share;
-  if (!result.surface.flat || on_lines) return result;
-  while (sparse_share > kSomeSparse && result.times < kWidestTimes) {
-    result.times *= 2.0;
+  if (!result.surface.flat || on_lines || sparse_share <= kSomeSparse) return result;
+  for (double times = 2.0; times <= kWidestTimes; times *= 2.0) {
     const SurfaceStatistics wide =
-        surface_statistics(pieces, extent, result.times * spacing_m, on_lines, pool, kSparse * spacing_m);
-    // Scattered points are sparse, too, but have no planes. Where most have none four times as wide either, they are
-    // not a surface that is sparser yet: discs miss nothing there.
-    if (result.times == 2.0 && wide.sparse_flat_share < kSparseFlat * sparse_share) {
-      const SurfaceStatistics widest =
-          surface_statistics(pieces, extent, kWidestTimes * spacing_m, on_lines, pool, kSparse * spacing_m);
-      const double flat = widest.sparse_flat_share, others = widest.sparse_rough_share + widest.sparse_share;
-      if (flat < kSparseFlat * (flat + others)) result.surface.sparse_share = wide.sparse_flat_share;
-      return {result.surface};
-    }
+        surface_statistics(pieces, extent, times * spacing_m, on_lines, pool, kSparse * spacing_m);
+    if (wide.flat && wide.sparse_flat_share > kSomeSparse && sparse_share > kSomeSparse) result.times = times;
     sparse_share = wide.flat ? wide.sparse_share : 1.0;
   }
+  result.scattered = sparse_share > kSomeScattered;
   if (result.times > 1.0) result.wider_share = result.surface.sparse_share;
-  result.surface.sparse_share = sparse_share;
+  result.surface.sparse_share = 0.0;  // wider discs find what is surface
   return result;
 }
 
@@ -172,7 +167,8 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
   // Discs, of `space`; of several sides what is seen tells which faces out. False where they would not find the
   // surface.
   const auto use_discs = [&](const SpaceStatistics& space, bool on_lines, bool several) {
-    const auto [surface, times, wider_share] = uneven_surface(pieces, extent, space.surface_spacing_m, on_lines, pool);
+    const auto [surface, times, wider_share, scattered] =
+        uneven_surface(pieces, extent, space.surface_spacing_m, on_lines, pool);
     if (!(surface.spacing_m > 0.0) || surface.sparse_share > kMostSparse || (on_lines && !surface.flat)) {
       plan.sparse_share = surface.sparse_share;
       return false;
@@ -182,6 +178,7 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
     plan.front_spacing_m = surface.front_spacing_m;
     plan.discs = disc_rule(surface, on_lines);
     plan.discs->most_spacings *= times;
+    plan.discs->scattered = scattered;
     plan.sparse_share = wider_share;
     plan.closed = several;
     if (several || may_show_back(space, oriented.stations)) {

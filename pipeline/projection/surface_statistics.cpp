@@ -38,6 +38,7 @@ constexpr double kQuantile = 0.35;
 constexpr double kOfChi = 0.915;
 // A neighbourhood of 14 points is flat up to this noise, spacings.
 constexpr double kFlat = 0.6;
+constexpr double kThin = 0.25;  // of points far apart that are a surface, spacings
 constexpr std::size_t kMostScale = 8;
 constexpr std::size_t kPiece = 1U << 15U;
 constexpr std::size_t kBatch = 1U << 10U;
@@ -125,14 +126,13 @@ std::vector<Block> draw_blocks(const OrientedPieces& pieces, const Extent& exten
 }
 
 struct Measured {
-  std::vector<double> noise_m, spacing_m, front_spacing_m, flat_spacing_m, rough_spacing_m;
+  std::vector<double> noise_m, spacing_m, front_spacing_m, flat_spacing_m;
   std::size_t seeds = 0;
 
   void add(const Measured& other) {
     seeds += other.seeds;
     noise_m.insert(noise_m.end(), other.noise_m.begin(), other.noise_m.end());
     flat_spacing_m.insert(flat_spacing_m.end(), other.flat_spacing_m.begin(), other.flat_spacing_m.end());
-    rough_spacing_m.insert(rough_spacing_m.end(), other.rough_spacing_m.begin(), other.rough_spacing_m.end());
     spacing_m.insert(spacing_m.end(), other.spacing_m.begin(), other.spacing_m.end());
     front_spacing_m.insert(front_spacing_m.end(), other.front_spacing_m.begin(), other.front_spacing_m.end());
   }
@@ -215,11 +215,9 @@ Measured measure_block(const std::vector<BlockPoint>& block, double margin_m, st
     }
     measured.spacing_m.push_back(radius_m * std::sqrt(std::numbers::pi / static_cast<double>(count)));
     if (!is_hidden(points, points[seed], margin_m)) measured.front_spacing_m.push_back(measured.spacing_m.back());
-    if (noise_m) {
-      measured.noise_m.push_back(*noise_m);
+    if (noise_m) measured.noise_m.push_back(*noise_m);
+    if (noise_m && *noise_m <= kThin * measured.spacing_m.back()) {
       measured.flat_spacing_m.push_back(measured.spacing_m.back());
-    } else if (taken == wanted) {
-      measured.rough_spacing_m.push_back(measured.spacing_m.back());
     }
   }
   return measured;
@@ -254,7 +252,6 @@ SurfaceStatistics surface_statistics(const OrientedPieces& pieces, const Extent&
         return static_cast<double>(sparse) / static_cast<double>(all.seeds);
       };
       result.sparse_flat_share = share_of_sparse(all.flat_spacing_m);
-      result.sparse_rough_share = share_of_sparse(all.rough_spacing_m);
       result.sparse_share = 1.0 - static_cast<double>(all.spacing_m.size()) / static_cast<double>(all.seeds);
     }
     if (2 * all.noise_m.size() >= all.spacing_m.size() && all.noise_m.size() >= kFew) {

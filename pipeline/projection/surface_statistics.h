@@ -13,11 +13,10 @@ namespace sparsha::pipeline {
 struct SurfaceStatistics {
   double noise_m = 0.0;    ///< standard deviation of the points across the surface
   double spacing_m = 0.0;  ///< median side of the square that a point occupies on the surface; 0: no surface was found
-  double front_spacing_m = 0.0;     ///< the same of the places that nothing hides from the viewer
-  double sparse_share = 0.0;        ///< of places: those whose points are more than twice that far apart
-  double sparse_flat_share = 0.0;   ///< of places: those whose points are farther apart than asked, and have a plane
-  double sparse_rough_share = 0.0;  ///< the same, where there are points enough for one, but they lie in no plane
-  bool flat = false;                ///< most neighbourhoods have a plane
+  double front_spacing_m = 0.0;    ///< the same of the places that nothing hides from the viewer
+  double sparse_share = 0.0;       ///< of places: those whose points are more than twice that far apart
+  double sparse_flat_share = 0.0;  ///< of places: those whose points are farther apart than asked, and lie in a plane
+  bool flat = false;               ///< most neighbourhoods have a plane
   /// How many spacings wide a neighbourhood has to be drawn so that it is flat in spite of the noise: 1, or 2, 4, 8
   /// where the noise exceeds about half a spacing.
   std::size_t scale = 1;

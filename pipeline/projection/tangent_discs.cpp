@@ -153,6 +153,7 @@ TangentDiscs find_discs(const OrientedPoints& points, const std::vector<std::uin
   kernel.least = (rule.neighbours + 1) / 2 + 1;
   kernel.rings = static_cast<std::size_t>(rule.widest());
   kernel.most_spacing_m = static_cast<float>(rule.most_spacings * rule.spacing_m);
+  if (rule.scattered) kernel.dense_spacing_m = static_cast<float>(DiscRule::kDenseSpacings * rule.spacing_m);
   kernel.least_nz = static_cast<float>(rule.least_nz);
   kernel.narrow = static_cast<float>(SurfacePlane::kNarrow);
   kernel.least_width2 = rule.lines ? static_cast<float>(2.0 * rule.noise_m * rule.noise_m) : 0.0F;

@@ -18,11 +18,13 @@ namespace sparsha::pipeline {
 
 /// How discs are drawn.
 struct DiscRule {
-  static constexpr double kReach = 2.5;         ///< radius of a disc, local point spacings
-  static constexpr double kMostSpacings = 3.0;  ///< of evenly scanned objects
+  static constexpr double kReach = 2.5;          ///< radius of a disc, local point spacings
+  static constexpr double kMostSpacings = 3.0;   ///< of evenly scanned objects
+  static constexpr double kDenseSpacings = 2.0;  ///< medians between points that are not taken for scattered ones
 
   double spacing_m = 0.0;  ///< median point spacing on the surface, times the scale of SurfaceStatistics
   double noise_m = 0.0;    ///< standard deviation across the surface
+  bool scattered = false;  ///< points lie scattered in space, too: those far apart must lie in a plane
   bool lines = false;      ///< points lie on lines between which a front may be taken for two layers
   int neighbours = 14;     ///< points that a plane is drawn through, about
   double least_nz = 0.12;  ///< z of the normals of discs that are used

@@ -15,6 +15,10 @@ constexpr float kNoDisc = -__builtin_inff();
 // a box it is 0.3 spacings.
 constexpr float kThickNoises = 2.0F;
 constexpr float kThickSpacings = 0.4F;
+// Points far apart lie in a plane where their standard deviation across it is below these, spacings.
+constexpr float kThin = 0.2F;
+constexpr float kThinFar = 0.12F;
+constexpr float kFar = 1.5F;  // times as far apart as the densest that must
 // A gap across the plane is one between two sheets where it exceeds these.
 constexpr float kGapNoises = 3.0F;
 constexpr float kGapSpacings = 0.3F;
@@ -271,6 +275,16 @@ SPARSHA_INLINE PlaneAxis plane_axis(Floats xx, Floats xy, Floats xz, Floats yy, 
   return {nx, ny, nz, per_length, known, t, middle, largest, trace};
 }
 
+// Whether points far apart lie in a plane. Those scattered in space lie 0.6 spacings off one, and few of them much less
+// by chance; the farther apart they are, the more of the object a plane through them would cover.
+SPARSHA_INLINE Ints is_thin(const DiscKernel& k, const PlaneAxis& axis, Floats spacing2) {
+  const Floats across2 = axis.least * axis.trace;
+  const float dense2 = k.dense_spacing_m * k.dense_spacing_m;
+  const Ints far = spacing2 > kFar * kFar * dense2;
+  const Floats thin2 = choose(far, all(kThinFar * kThinFar), all(kThin * kThin));
+  return (spacing2 <= dense2) | (across2 <= thin2 * spacing2 + k.noise_m * k.noise_m);
+}
+
 // Planes of the batch. The squared radius of points with too narrow a neighbourhood is 0.
 SPARSHA_APART void write_discs(const DiscKernel& k, DiscBatch& batch) {
   for (std::size_t lane = batch.size; lane < kLanes; ++lane) {
@@ -293,7 +307,7 @@ SPARSHA_APART void write_discs(const DiscKernel& k, DiscBatch& batch) {
   const Floats spacing2 = load(batch.r2) * 3.14159265F * per_count;
   const Ints narrow = (axis.middle < k.narrow * axis.largest) | (axis.middle * axis.trace < k.least_width2);
   const Ints good = axis.known & ~narrow & (nz >= k.least_nz) & (spacing2 <= k.most_spacing_m * k.most_spacing_m) &
-                    (axis.least <= batch.flatness * axis.middle);
+                    (axis.least <= batch.flatness * axis.middle) & is_thin(k, axis, spacing2);
   const Floats upright = choose(good, nz, all(1.0F));
   const Floats slope_x = -nx / upright;
   const Floats slope_y = -ny / upright;

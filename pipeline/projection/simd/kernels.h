@@ -135,6 +135,7 @@ struct DiscKernel {
   std::int32_t wanted = 14;         ///< neighbours, about, the point itself among them
   std::int32_t least = 8;           ///< fewer make no disc
   float most_spacing_m = 0.0F;      ///< where points are farther apart, they are no surface
+  float dense_spacing_m = 1e9F;     ///< points farther apart must lie in a plane, as those scattered in space do not
   float least_nz = 0.12F;           ///< planes that are steeper cover nothing
   float narrow = 0.1F;              ///< variances of points on one line, the lesser by the greater, are below
   float least_width2 = 0.0F;        ///< or the lesser is below this, m^2; more neighbours are looked at then
