@@ -114,17 +114,27 @@ void name_process(const char* name) {
 #endif
 }
 
-/// A child that calls `work` and ends.
-pid_t start(const Worker::Work& work, void* shared, int priority) {
+/// In the worker: without its supervisor it is asked to return, and killed where it does not.
+void end_without(pid_t supervisor, WorkerHead& head) {
+  std::thread([supervisor, &head] {
+    while (::getppid() == supervisor) std::this_thread::sleep_for(std::chrono::milliseconds(kLook_ms));
+    head.end.store(static_cast<std::uint32_t>(WorkerEnd::unknown));
+    head.stop.store(1);
+    std::this_thread::sleep_for(kGrace);
+    ::kill(::getpid(), SIGKILL);
+  }).detach();
+}
+
+/// A child that calls `work` and ends. `supervised`: it ends with this process, too.
+pid_t start(const Worker::Work& work, void* shared, int priority, bool supervised) {
+  const pid_t supervisor = ::getpid();
   const pid_t id = ::fork();
   if (id != 0) return id;
-#if defined(__linux__)
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody is left to supervise it
-#endif
   sched_param parameters{};
   parameters.sched_priority = priority;
   if (priority > 0) static_cast<void>(::sched_setscheduler(0, SCHED_FIFO, &parameters));
   try {
+    if (supervised) end_without(supervisor, *static_cast<WorkerHead*>(shared));
     work(shared);
   } catch (...) {
     ::abort();
@@ -184,11 +194,11 @@ WorkerEnd supervise(pid_t worker, WorkerHead& head, int pipe) {
   end = keep_few(end);
   name_process("sparsha-plugin");
   WorkerHead& head = *static_cast<WorkerHead*>(shared);
-  const pid_t worker = start(work, shared, priority);
+  const pid_t worker = start(work, shared, priority, true);
   const WorkerEnd how = worker < 0 ? WorkerEnd::crashed : supervise(worker, head, end);
   head.end.store(static_cast<std::uint32_t>(how));
   if (how != WorkerEnd::returned && head.rescue.load() != 0) {
-    const pid_t rescuer = start(rescue, shared, priority);
+    const pid_t rescuer = start(rescue, shared, priority, false);
     if (rescuer > 0)
       wait_or_kill(rescuer, std::chrono::duration_cast<Steady::duration>(std::chrono::duration<double>(rescue_s)));
     head.rescue.store(0);

@@ -24,7 +24,7 @@ enum class WorkerEnd : std::uint32_t { none, returned, crashed, hung, unknown };
 
 /// At the head of the shared memory.
 struct WorkerHead {
-  std::atomic<std::uint32_t> end{0};             ///< WorkerEnd, written by whoever supervises
+  std::atomic<std::uint32_t> end{0};             ///< WorkerEnd, written by whoever supervises, or is left without
   std::atomic<std::uint32_t> signal{0};          ///< that ended it
   std::atomic<std::uint32_t> stop{0};            ///< the worker is asked to return
   std::atomic<std::uint32_t> hangs_after_ms{0};  ///< without a beat the worker is killed; 0: it may take its time
@@ -36,7 +36,8 @@ struct WorkerHead {
 /// right what is left. Start it before other threads exist: both are copies of this process with the calling thread.
 class Worker {
  public:
-  /// In the worker's process. `shared` begins with a WorkerHead.
+  /// In the worker's process, which ends by itself, as after `stop`, when its supervisor is killed. `shared` begins
+  /// with a WorkerHead.
   using Work = std::function<void(void* shared)>;
 
   /// `bytes`: of the shared memory, zero at first. `work` returns soon after `stop`, which is set when this program has

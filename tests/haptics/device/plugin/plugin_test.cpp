@@ -12,6 +12,8 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <thread>
@@ -143,6 +145,38 @@ TEST_F(Plugin, AHangEndsInAMotorThatIsOffBeforeItsProcessIsKilled) {
   ASSERT_TRUE(eventually([&] { return run.servo.unplugged(); })) << "killed";
   EXPECT_STREQ(device->advice()->phrase, "plugin_silent");
   EXPECT_EQ(motor_->micronewtons.load(), 0U);
+}
+
+/// A process that this one, or that one, has started.
+pid_t child_of(pid_t parent) {
+  for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(parent) + "/task")) {
+    pid_t child = 0;
+    if (std::ifstream(task.path() / "children") >> child) return child;
+  }
+  return 0;
+}
+
+TEST_F(Plugin, ASupervisorThatIsKilledLeavesAMotorThatIsOffAndNoProcess) {
+  for (const char* fault : {"", "hangs"}) {
+    SCOPED_TRACE(fault);
+    new (motor_) Motor{};
+    const auto device = faulty(fault);
+    Running run(*device);
+    const pid_t supervisor = child_of(::getpid());
+    const pid_t worker = child_of(supervisor);
+    if (supervisor == 0 || worker == 0) GTEST_SKIP() << "this kernel does not tell the children of a process";
+    const bool hangs = *fault != '\0';
+    ASSERT_TRUE(eventually([&] { return hangs ? motor_->faults.load() > 0 : motor_->micronewtons.load() > 300'000; }));
+    ASSERT_EQ(::kill(supervisor, SIGKILL), 0);
+    EXPECT_TRUE(off());
+    EXPECT_TRUE(eventually([&] { return run.servo.unplugged(); }));
+    ASSERT_NE(device->advice(), nullptr);
+    // One that hangs may have been killed before its supervisor was.
+    EXPECT_THAT(device->advice()->phrase, ::testing::AnyOf(::testing::StrEq("plugin_ended"),
+                                                           ::testing::StrEq(hangs ? "plugin_silent" : "plugin_ended")));
+    EXPECT_TRUE(eventually([&] { return ::kill(worker, 0) != 0; })) << "the worker is left";
+    EXPECT_EQ(motor_->micronewtons.load(), 0U);
+  }
 }
 
 TEST_F(Plugin, OneThatLiesGetsNoForceAndIsNamed) {
