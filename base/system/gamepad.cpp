@@ -147,6 +147,10 @@ bool is_kind(int file, PadKind kind) {
 
 }  // namespace
 
+std::unique_ptr<Pad> pad_of_file(int file, PadKind kind) {
+  return is_kind(file, kind) ? std::make_unique<EventPad>(file, kind) : nullptr;
+}
+
 std::unique_ptr<Pad> open_pad(PadKind kind, std::string& problem) {
   problem = kind == PadKind::gamepad ? "no gamepad is plugged in" : "no tablet with a pen is plugged in";
   std::error_code code;
@@ -161,13 +165,15 @@ std::unique_ptr<Pad> open_pad(PadKind kind, std::string& problem) {
       if (errno == EACCES) problem += ", or this user may not open " + node.string() + " (group input)";
       continue;
     }
-    if (is_kind(file, kind)) return std::make_unique<EventPad>(file, kind);
+    if (auto pad = pad_of_file(file, kind)) return pad;
     ::close(file);
   }
   return nullptr;
 }
 
 #else
+
+std::unique_ptr<Pad> pad_of_file(int, PadKind) { return nullptr; }
 
 std::unique_ptr<Pad> open_pad(PadKind, std::string& problem) {
   problem = "this system shows no event devices";

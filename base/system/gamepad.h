@@ -49,6 +49,9 @@ class Pad {
   virtual bool rumble(double strong, double weak, double seconds) noexcept = 0;
 };
 
+/// An open event device, which the pad closes; null where it is none of this kind, and stays open then. Linux.
+[[nodiscard]] std::unique_ptr<Pad> pad_of_file(int file, PadKind kind);
+
 /// The first that this user may open; null and why there is none.
 [[nodiscard]] std::unique_ptr<Pad> open_pad(PadKind kind, std::string& problem);
 
