@@ -202,7 +202,11 @@ std::string HaplyService::state(const Client& client, bool with_config) {
   const Json grip{
       {"device_id", "GRIP0"},
       {"state",
-       {{"orientation", {{"w", 1.0}, {"x", 0.0}, {"y", 0.0}, {"z", 0.0}}},
+       {{"orientation",
+         {{"w", std::cos(0.5 * options_.grip_tilt_rad)},
+          {"x", std::sin(0.5 * options_.grip_tilt_rad)},
+          {"y", 0.0},
+          {"z", 0.0}}},
         {"buttons", {{"a", (buttons_ & 1U) != 0}, {"b", (buttons_ & 2U) != 0}, {"c", (buttons_ & 4U) != 0}}}}}};
   if (!options_.other_words) return Json{{"inverse3", list}, {"verse_grip", Json::array({grip})}}.dump();
   return in_other_words(list, grip);

@@ -41,6 +41,7 @@ struct HaplyOptions {
   bool version_3_1 = false;     ///< no events, and forces under `values` alone
   bool other_words = false;     ///< exponents, unknown keys and kinds, ids last, a wireless grip, a preset as an object
   bool no_preset = false;       ///< the configuration tells of none
+  double grip_tilt_rad = 0.0;   ///< of the grip about x; negative: its far end is held up
   double gate = 1.0;            ///< share of the force that the service lets through
   double damping_n_s_per_m = 0.0;  ///< until a client sets it
 };

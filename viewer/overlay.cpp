@@ -181,8 +181,38 @@ void HandPainter::draw(const Hand& hand, const View& view, const gl::Texture& de
   ink_.ring(*middle, rim + 1.2 * scale, 2.4 * scale, {0.0F, 0.0F, 0.0F, 0.55F});
   ink_.ring(*middle, rim + 0.4 * scale, 1.3 * scale, {1.0F, 1.0F, 1.0F, 0.95F});
 
+  stylus(hand, view, scale);
   arrow(hand, view, scale);
   ink_.flush(view.width, view.height);
+}
+
+// A pen that grows from the tip, and a button on its side by which its roll is seen.
+void HandPainter::stylus(const Hand& hand, const View& view, double scale) {
+  if (!(hand.stylus.norm() > 0.5)) return;
+  constexpr double kPoint = 3.5, kLength = 16.0, kThick = 0.62, kButton = 6.0;  // ball radii
+  const double pixels = view.pixels_per_unit(hand.ball()) * hand.radius;
+  const auto at = [&](double along, double aside) {
+    return view.to_pixel(hand.ball() + hand.radius * (along * hand.stylus + aside * hand.stylus_side));
+  };
+  const auto tip = at(1.0, 0.0), neck = at(kPoint, 0.0), end = at(kLength, 0.0), button = at(kButton, kThick);
+  if (!tip || !neck || !end || !button) return;
+  const double half = kThick * pixels;
+  const Colour dark(0.03F, 0.07F, 0.14F, 0.85F), light(0.93F, 0.94F, 0.95F, 1.0F), shade(0.52F, 0.56F, 0.62F, 1.0F);
+  const Eigen::Vector2d along = *end - *tip;
+  if (along.norm() > 0.5) {  // else it is seen from its end
+    const Eigen::Vector2d across = Eigen::Vector2d(-along.y(), along.x()).normalized();
+    const auto body = [&](double grow, const Colour& a, const Colour& b) {
+      const Eigen::Vector2d wide = (half + grow) * across, fine = (0.25 * half + grow) * across;
+      ink_.polygon({*tip - fine, *neck - wide, *neck + wide, *tip + fine}, {a, a, b, b});
+      ink_.polygon({*neck - wide, *end - wide, *end + wide, *neck + wide}, {a, a, b, b});
+    };
+    body(1.6 * scale, dark, dark);
+    body(0.0, light, shade);
+  }
+  ink_.ring(*end, half, 2.0 * scale, dark);
+  // A button on the far side is hidden by the pen.
+  if (hand.stylus_side.dot(view.eye - hand.ball()) > 0.0)
+    ink_.ring(*button, std::max(0.35 * half, 1.5 * scale), 2.4 * scale, {0.85F, 0.33F, 0.10F, 1.0F});
 }
 
 void HandPainter::arrow(const Hand& hand, const View& view, double scale) {

@@ -1,4 +1,4 @@
-// What moves over the stone: the proxy ball, the hand's shadow, the glow of contact, the force arrow.
+// What moves over the stone: the proxy ball, the hand's shadow, the glow of contact, the force arrow, the stylus.
 #pragma once
 
 #include <array>
@@ -47,6 +47,8 @@ struct Hand {
   double radius = 0.01;                               ///< of the ball
   double strength = 0.0;                              ///< of the force, 0 to 1
   bool contact = false;
+  /// Of a grip whose orientation is measured: along the stylus from its tip, and to its side; zero without one.
+  Eigen::Vector3d stylus = Eigen::Vector3d::Zero(), stylus_side = Eigen::Vector3d::Zero();
   Eigen::Vector3d ground = Eigen::Vector3d::Zero();  ///< of the drawn surface, straight below the ball
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();     ///< from there to the ball: out of the stone
 
@@ -65,6 +67,7 @@ class HandPainter {
 
  private:
   void arrow(const Hand& hand, const View& view, double scale);
+  void stylus(const Hand& hand, const View& view, double scale);
 
   gl::Program decal_;
   gl::Program ball_;

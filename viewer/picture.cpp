@@ -371,6 +371,11 @@ std::optional<Hand> Picture::hand_of(const haptics::State& state, const Window& 
     hand.force = force * std::min(kArrowShare, 0.35 / std::max(force.norm(), 1e-9)) * width;
     hand.strength = std::clamp(force.norm() / kStrong_n, 0.0, 1.0);
   }
+  if (const auto& turn = state.orientation; turn != std::array<double, 4>{}) {
+    const Eigen::Quaterniond turned(turn[0], turn[1], turn[2], turn[3]);
+    hand.stylus = turned * Eigen::Vector3d::UnitZ();
+    hand.stylus_side = turned * Eigen::Vector3d::UnitY();
+  }
   hand.radius = kBallShare * width;
   const Eigen::Vector3d below = stage_.to_grid_m(hand.ball());
   if (object_) {

@@ -48,6 +48,7 @@ const Fault kFaults[] = {
 
 emulator::HaplyOptions options_of(const std::vector<std::string>& names) {
   emulator::HaplyOptions options;
+  options.grip_tilt_rad = -0.6;  // as a pen is held
   const haptics::haply::HaplyOptions ports = haptics::haply::options_of({});
   options.port = ports.port;
   options.events_port = ports.events_port;

@@ -1,7 +1,9 @@
 // The one real interface: a thing with a hand position, buttons and a force.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -21,12 +23,23 @@ struct DeviceSample {
   double delay_s = 0.0;  ///< from a force's writing to a position that shows it, if measured; else 0
   /// Of the grip, a unit quaternion w, x, y, z in the device frame; all zero where the device does not measure it.
   std::array<double, 4> orientation{};
+  Eigen::Vector3d applied_n = Eigen::Vector3d::Zero();  ///< on the motors then, where the device tells it
+  bool tells_applied = false;
   double force_share = 1.0;  ///< Device::force_share() then; filled in by the servo
   bool fresh = false;        ///< false: nothing new; the force of before goes on until it is stale, then it is zero
   bool homed = true;         ///< false: positions are not absolute yet; the servo then commands zero
   bool connected = true;     ///< false: unplugged
   bool finished = false;     ///< no more samples will come; one that is not fresh is none itself
 };
+
+/// The turn that a device means, of unit length; zeros for what is no turn. One that is of unit length stays to the
+/// bit.
+[[nodiscard]] inline std::array<double, 4> unit_or_none(std::array<double, 4> turn) noexcept {
+  const double norm = std::sqrt(turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2] + turn[3] * turn[3]);
+  if (!(norm > 0.5 && norm < 2.0)) return {};
+  for (double& part : turn) part = std::clamp(std::abs(norm - 1.0) < 1e-12 ? part : part / norm, -1.0, 1.0);
+  return turn;
+}
 
 struct DeviceInfo {
   std::string name;  ///< "simulated", "Novint Falcon", ...

@@ -34,6 +34,7 @@ DeviceSample sample_of(const RecordedRow& row) noexcept {
   DeviceSample sample;
   sample.position_m = row.position_m;
   sample.buttons = row.buttons;
+  sample.orientation = row.orientation;
   sample.time_s = row.time_s;
   sample.fresh = (row.tick.flags & kFlagStale) == 0;
   sample.homed = (row.tick.flags & kFlagHomed) != 0;

@@ -54,6 +54,10 @@ enum Column : std::size_t {
   kTurnZ,
   kTurnW,
   kUndeclared,
+  kOrientationW,
+  kOrientationX,
+  kOrientationY,
+  kOrientationZ,
   kColumns
 };
 constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
@@ -91,7 +95,11 @@ constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
                                                            "turn_y",
                                                            "turn_z",
                                                            "turn_w",
-                                                           "undeclared_s"};
+                                                           "undeclared_s",
+                                                           "orientation_w",
+                                                           "orientation_x",
+                                                           "orientation_y",
+                                                           "orientation_z"};
 
 constexpr std::size_t kAbsent = std::numeric_limits<std::size_t>::max();
 
@@ -176,6 +184,10 @@ constexpr Range range_of(Column column) {
     case kTurnY:
     case kTurnZ:
     case kTurnW:
+    case kOrientationW:
+    case kOrientationX:
+    case kOrientationY:
+    case kOrientationZ:
       return {-1.0, 1.0};
     case kWorkspace:
       return {1e-3, 10.0};
@@ -252,6 +264,8 @@ RecordedRow row_of(const Fields& fields) {
   row.tick.guide_n = {fields.at(kGuideX, 0.0), fields.at(kGuideY, 0.0)};
   row.tick.guide_stored_j = fields.at(kGuideStored, 0.0);
   row.tick.guide_supplied_j = fields.at(kGuideSupplied, 0.0);
+  row.orientation = {fields.at(kOrientationW, 0.0), fields.at(kOrientationX, 0.0), fields.at(kOrientationY, 0.0),
+                     fields.at(kOrientationZ, 0.0)};
   row.tick.turn = turn_of(fields);
   row.tick.flags = fields.word(kFlags, static_cast<double>(kFlagHomed));
   return row;

@@ -1,6 +1,7 @@
 // A recorded run (run.csv) in memory: the path of the hand, and the windows that it was made on.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -28,6 +29,7 @@ struct RecordedRow {
   double time_s = 0.0;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< device frame; NaN where the device gave NaN
   std::uint64_t buttons = 0;
+  std::array<double, 4> orientation{};  ///< as in State
   RecordedTick tick;
 };
 

@@ -12,7 +12,8 @@ const std::string& run_csv_header() {
       "commanded_force_y_n,commanded_force_z_n,surface_id,command,flags,buttons,stiffness_n_per_m,period_s,late_ns,"
       "window_i,window_j,window_nx,window_ny,workspace_m,max_force_n,slew_n_per_s,least_damping_n_s_per_m,delay_"
       "ticks,nominal_period_s,tip_radius_m,guide_x_n,guide_y_n,guide_stored_j,guide_supplied_j,turn_x,turn_y,turn_z,"
-      "turn_w,undeclared_s,device_share,orientation_w,orientation_x,orientation_y,orientation_z,scene\n";
+      "turn_w,undeclared_s,device_share,orientation_w,orientation_x,orientation_y,orientation_z,applied_force_x_n,"
+      "applied_force_y_n,applied_force_z_n,scene\n";
   return header;
 }
 
@@ -50,7 +51,8 @@ void append_run_csv_row(std::string& text, const Record& record, const DeviceInf
   for (const double part : state.turn) csv::append(text, part);
   csv::append(text, device.limits.undeclared_s);
   csv::append(text, record.device_share);
-  for (const double part : record.orientation) csv::append(text, part);
+  for (const double part : state.orientation) csv::append(text, part);
+  csv::append(text, record.applied_force_n);
   csv::append(text, state.scene);
   csv::end_row(text);
 }

@@ -405,8 +405,12 @@ void HapticRenderer::tick(const DeviceSample& sample, bool fault) noexcept {
   event_.reset();
   swapped_ = false;
   record_.raw_device_m = to_array(sample.position_m);
-  record_.orientation = sample.orientation;
+  // Before this tick's force takes the place of the last one's.
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    record_.applied_force_n[axis] = sample.tells_applied ? sample.applied_n[static_cast<Eigen::Index>(axis)]
+                                                         : record_.device_share * state.commanded_force_n[axis];
   record_.device_share = sample.force_share;
+  state.orientation = unit_or_none(sample.orientation);
   describe_tick(sample);
 
   const bool finite = is_place(sample);

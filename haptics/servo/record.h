@@ -12,7 +12,9 @@ namespace sparsha::haptics {
 struct Record {
   State state;
   std::array<double, 3> raw_device_m{};  ///< as the device gave it, NaN included
-  std::array<double, 4> orientation{};   ///< of the grip, w, x, y, z, device frame; zeros: not measured
+  /// What the motors had when the hand was measured, newtons, device frame: by the device's own word, else what was
+  /// commanded a tick before times its share.
+  std::array<double, 3> applied_force_n{};
   double device_share = 1.0;             ///< of the commanded force that the device lets through to the hand
   double period_s = 0.0;                 ///< that the governor saw
   double nominal_period_s = 0.0;         ///< of the servo's plan

@@ -61,6 +61,9 @@ struct State {
   /// Quaternion x, y, z, w from the grid frame's axes to the device frame's: device = scale * turn * (grid - centre).
   /// Only a whole object is ever turned.
   std::array<double, 4> turn{0.0, 0.0, 0.0, 1.0};
+  /// Of the grip, a unit quaternion w, x, y, z in the device frame: turns the stylus from along +z, its tip at the
+  /// hand. All zero where the device does not measure it.
+  std::array<double, 4> orientation{};
   double penetration_m = 0.0;         ///< |X_p - X_h|, device frame
   double slip_speed_m_per_s = 0.0;    ///< of the proxy along the surface, device frame
   double friction_coefficient = 0.0;  ///< mu_d at the proxy

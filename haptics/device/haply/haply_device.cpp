@@ -84,6 +84,8 @@ class HaplyDevice final : public Device {
     sample.position_m = to_device(position_m_ - options_.centre_m);
     sample.buttons = buttons_;
     sample.orientation = orientation_;
+    sample.applied_n = applied_n_;
+    sample.tells_applied = tells_applied_;
     sample.time_s = time_s;
     sample.delay_s = delay_s_;
     sample.fresh = fresh_;
@@ -182,7 +184,9 @@ class HaplyDevice final : public Device {
     asked_ = false;
     position_m_ = state.position_m;
     fresh_ = true;
+    tells_applied_ = state.has_force;
     if (!state.has_force) return;
+    applied_n_ = to_device(state.force_n);
     if (state.damping_n_s_per_m >= 0.0) damping_n_s_per_m_ = state.damping_n_s_per_m;
     match_.see(commanded_n_, before_n_, state.force_n, -damping_n_s_per_m_ * velocity_m_per_s_,
                std::min(delay_s_, 0.01));
@@ -252,6 +256,8 @@ class HaplyDevice final : public Device {
   ForceMatch match_;
   std::uint64_t buttons_ = 0;
   std::array<double, 4> orientation_{};
+  Eigen::Vector3d applied_n_ = Eigen::Vector3d::Zero();  ///< as the service tells it
+  bool tells_applied_ = false;
   double delay_s_ = 0.0;
   double damping_n_s_per_m_ = 0.0;  ///< of the service
   bool braked_ = false;             ///< an emergency brake, or another thing that keeps the service from force

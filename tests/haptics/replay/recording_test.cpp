@@ -2,13 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <memory>
 #include <sstream>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -168,6 +172,75 @@ TEST(Session, PlaybackOfAWholeObjectThatIsTurnedGivesIdenticalBits) {
   expect_same_ticks(run, read_csv(again.record));
   // The front view alone cannot play it.
   EXPECT_THROW((void)session_of(textured_scene(), options.record, {}), Error);
+}
+
+/// A hand whose grip turns, on motors that get less than was commanded and tell it now and then.
+class TurningGrip final : public Device {
+ public:
+  explicit TurningGrip(std::unique_ptr<Device> hand) : hand_(std::move(hand)) {}
+  [[nodiscard]] DeviceInfo info() const override { return hand_->info(); }
+  [[nodiscard]] DeviceSample read(double time_s, double period_s) noexcept override {
+    DeviceSample sample = hand_->read(time_s, period_s);
+    const double angle = 0.002 * static_cast<double>(++ticks_);
+    sample.orientation = {std::cos(angle), 0.6 * std::sin(angle), 0.0, 0.8 * std::sin(angle)};
+    sample.tells_applied = ticks_ % 2 == 0;
+    sample.applied_n = {0.0, 0.25, 0.5};
+    return sample;
+  }
+  void write(const Eigen::Vector3d& force_n) noexcept override { hand_->write(force_n); }
+  [[nodiscard]] double force_share() const noexcept override { return 0.75; }
+  void zero() noexcept override { hand_->zero(); }
+
+ private:
+  std::unique_ptr<Device> hand_;
+  std::uint64_t ticks_ = 0;
+};
+
+TEST(Session, ARecordingKeepsTheTurnOfTheGripAndTheAppliedForceAndPlaybackShowsTheTurn) {
+  const test::TestFolder folder;
+  const auto scene = textured_scene();
+  SessionOptions options;
+  options.record = folder / "run.csv";
+  Session session(scene, std::make_unique<TurningGrip>(make_simulated_device(4, 1.5)), options);
+  run_to_the_end(session);
+  const Csv run = read_csv(options.record);
+  const auto number = [&](std::size_t row, const char* name) { return std::stod(run[row][column(run, name)]); };
+  ASSERT_GT(run.size(), 1000U);
+  std::size_t pressed = 0;
+  for (std::size_t row = 2; row < run.size(); ++row) {
+    const double angle = 0.002 * static_cast<double>(row);
+    ASSERT_NEAR(number(row, "orientation_w"), std::cos(angle), 1e-12) << row;
+    ASSERT_NEAR(number(row, "orientation_z"), 0.8 * std::sin(angle), 1e-12) << row;
+    if (row % 2 == 0) {
+      ASSERT_EQ(number(row, "applied_force_y_n"), 0.25) << row;
+    } else {
+      ASSERT_NEAR(number(row, "applied_force_z_n"), 0.75 * number(row - 1, "commanded_force_z_n"), 1e-12) << row;
+      pressed += number(row, "applied_force_z_n") > 0.1 ? 1U : 0U;
+    }
+  }
+  EXPECT_GT(pressed, 20U);
+  SessionOptions again;
+  again.record = folder / "again.csv";
+  const auto played = session_of(scene, options.record, again);
+  run_to_the_end(*played);
+  const Csv shown = read_csv(again.record);
+  ASSERT_EQ(shown.size(), run.size());
+  for (const char* const name : {"orientation_w", "orientation_x", "orientation_y", "orientation_z"})
+    for (std::size_t row = 1; row < run.size(); ++row)
+      ASSERT_EQ(shown[row][column(shown, name)], run[row][column(run, name)]) << name << ", row " << row;
+  EXPECT_NEAR(played->state().read().orientation[0], number(run.size() - 1, "orientation_w"), 1e-12)
+      << "for the picture";
+}
+
+TEST(Device, OrientationsThatAreNoTurnAreNone) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const std::array<double, 4> none{};
+  EXPECT_EQ(unit_or_none({}), none);
+  EXPECT_EQ(unit_or_none({kNaN, 0.0, 0.0, 1.0}), none);
+  EXPECT_EQ(unit_or_none({1e300, 1e300, 0.0, 0.0}), none);
+  EXPECT_EQ(unit_or_none({0.1, 0.0, 0.0, 0.0}), none);
+  EXPECT_EQ(unit_or_none({0.6, 0.0, 0.8, 0.0}), (std::array<double, 4>{0.6, 0.0, 0.8, 0.0}));
+  EXPECT_NEAR(unit_or_none({0.0, 1.1, 0.0, 0.0})[1], 1.0, 1e-15);
 }
 
 TEST(Session, TraceOfARecordingEqualsTheLiveRun) {
