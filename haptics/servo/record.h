@@ -15,11 +15,11 @@ struct Record {
   /// What the motors had when the hand was measured, newtons, device frame: by the device's own word, else what was
   /// commanded a tick before times its share.
   std::array<double, 3> applied_force_n{};
-  double device_share = 1.0;             ///< of the commanded force that the device lets through to the hand
-  double period_s = 0.0;                 ///< that the governor saw
-  double nominal_period_s = 0.0;         ///< of the servo's plan
-  std::int32_t cell_i = 0, cell_j = 0;   ///< the proxy's cell in its level
-  double cell_m = 0.0;                   ///< and the cells' size, grid frame
+  double device_share = 1.0;            ///< of the commanded force that the device lets through to the hand
+  double period_s = 0.0;                ///< that the governor saw
+  double nominal_period_s = 0.0;        ///< of the servo's plan
+  std::int32_t cell_i = 0, cell_j = 0;  ///< the proxy's cell in its level
+  double cell_m = 0.0;                  ///< and the cells' size, grid frame
 };
 static_assert(std::is_trivially_copyable_v<Record>);
 
