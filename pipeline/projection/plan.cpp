@@ -31,6 +31,7 @@ constexpr double kTilted = 0.1;     // mean slope
 constexpr double kMostSparse = 0.15;
 // Where at more places sparse points lie in a plane, discs are wider there.
 constexpr double kSomeSparse = 0.04;
+constexpr double kStillMore = 0.02;  // and wider still, where that finds so many more of them
 // Where at more places points are sparse however wide one looks, they are scattered in space.
 constexpr double kSomeScattered = 0.01;
 constexpr double kWidestTimes = 4.0;  // as wide, at most
@@ -102,10 +103,16 @@ UnevenSurface uneven_surface(const OrientedPieces& pieces, const Extent& extent,
   UnevenSurface result{surface_statistics(pieces, extent, spacing_m, on_lines, pool)};
   double sparse_share = result.surface.sparse_share;
   if (!result.surface.flat || on_lines || sparse_share <= kSomeSparse) return result;
+  double found = 0.0;
   for (double times = 2.0; times <= kWidestTimes; times *= 2.0) {
     const SurfaceStatistics wide =
         surface_statistics(pieces, extent, times * spacing_m, on_lines, pool, kSparse * spacing_m);
-    if (wide.flat && wide.sparse_flat_share > kSomeSparse && sparse_share > kSomeSparse) result.times = times;
+    // Only what still more places need is worth the reach.
+    const double needed = found > 0.0 ? found + kStillMore : kSomeSparse;
+    if (wide.flat && wide.sparse_flat_share > needed && sparse_share > kSomeSparse) {
+      result.times = times;
+      found = wide.sparse_flat_share;
+    }
     sparse_share = wide.flat ? wide.sparse_share : 1.0;
   }
   result.scattered = sparse_share > kSomeScattered;

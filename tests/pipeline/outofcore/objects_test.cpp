@@ -62,7 +62,8 @@ TEST_F(ObjectsOutOfCore, ClosedObjectsScannedInLinesGiveTheSameBytesAsInMemory) 
   expect_same_out_of_core(scene::parse_config(yaml::parse_text(text, "balls"), folder_.path()), 30'000);
 }
 
-// On a floor, between walls that the view shows edge-on, with scattered points.
+// On a floor, between walls that the view shows edge-on, with scattered points. The walls' points are twice as far
+// apart as the balls', so that discs reach twice as far, and 73 000 of 133 000 points lie about one node.
 TEST_F(ObjectsOutOfCore, WhatIsSeenEdgeOnIsTheSameAsInMemory) {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> place(-0.4, 0.4);
@@ -79,7 +80,7 @@ TEST_F(ObjectsOutOfCore, WhatIsSeenEdgeOnIsTheSameAsInMemory) {
   for (const char* size : {"60", "200"}) {
     const std::string yaml =
         fmt::format("scans: [{{file: room.xyz, units: m}}]\ngrid: {{size: {}}}\ncheck: {{samples: 4000}}\n", size);
-    expect_same_out_of_core(scene::parse_config(yaml::parse_text(yaml, "room"), folder_.path()), 60'000);
+    expect_same_out_of_core(scene::parse_config(yaml::parse_text(yaml, "room"), folder_.path()), 80'000);
     EXPECT_GT(report(folder_ / "disk")["not_visible"]["edge_on"], 2'000) << size;
   }
 }
