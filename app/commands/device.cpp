@@ -15,15 +15,12 @@
 #include "app/terminal/terminal.h"
 #include "base/error.h"
 #include "base/phrases.h"
-#include "haptics/device/falcon/calibration.h"
-#include "haptics/device/falcon/kind.h"
 #include "haptics/device/kind.h"
 #include "haptics/servo/real_time.h"
 #include "scene/config/config.h"
 #include "viewer/viewer.h"
 
 namespace sparsha::app {
-namespace falcon = haptics::falcon;
 using Json = nlohmann::ordered_json;
 
 namespace {
@@ -113,36 +110,30 @@ int report_check(const haptics::CheckReport& report, const CommonOptions& common
   return report.passed() ? 0 : kDeviceError;
 }
 
-int calibrate_device(const CommonOptions& common, const haptics::DeviceRequest& request, double weight_g) {
-  falcon::require_calibration_place();
-  const Terminal terminal(common);
-  falcon::CalibrationOptions options;
-  options.weight_n = weight_g * 1e-3 * kStandardGravityMPerS2;
-  falcon::FalconOptions usual = falcon::options_of(request);
-  usual.counts_per_newton_metre = options.counts_per_newton_metre;
-  const auto device = falcon::make_falcon_device(usual);
+std::string calibrated_names() {
+  std::string names;
+  for (const haptics::DeviceKind& kind : device_kinds())
+    if (kind.calibrate) names += (names.empty() ? "" : ", ") + std::string(kind.name);
+  return names;
+}
+
+int calibrate_device(const CommonOptions& common, const haptics::DeviceKind& kind, haptics::DeviceRequest request,
+                     double weight_g) {
+  if (!kind.calibrate)
+    throw usage_error(fmt::format("the device '{}' has nothing to calibrate here", kind.name),
+                      "a device whose motors' scale is not known: " + calibrated_names());
   if (!haptics::request_real_time(haptics::kServoPriority))
-    terminal.message("warning: no real-time priority was granted; hold the weight low over a table");
-  const auto found = falcon::calibrate(
-      *device, options, [&terminal](const std::string& words) { terminal.message(words); }, interrupted);
-  if (!found) throw Error(ErrorKind::failure, {}, "calibration: stopped", "all steps taken");
-  falcon::store_calibration(found->counts_per_newton_metre);
-  const std::string file = printable(falcon::calibration_file().string());
+    request.say("warning: no real-time priority was granted; hold the weight low over a table");
+  const haptics::CalibrationReport found = kind.calibrate(request, weight_g * 1e-3 * kStandardGravityMPerS2);
+  const std::string file = printable(found.file.string());
   if (common.json) {
-    print(Json{{"counts_per_newton_metre", found->counts_per_newton_metre},
-               {"weight_n", found->weight_n},
-               {"empty_n", found->empty_n},
-               {"loaded_n", found->loaded_n},
-               {"standard_error_n", found->scatter_n},
-               {"file", file}}
-              .dump(2));
+    Json json;
+    for (const auto& [name, value] : found.numbers) json[name] = value;
+    json["file"] = file;
+    print(json.dump(2));
   } else {
-    const double scale = found->counts_per_newton_metre;
-    const double error = scale * found->scatter_n / (found->loaded_n - found->empty_n);
-    print(common.plain
-              ? fmt::format("The scale is {:.0f} motor counts per newton metre, give or take {:.0f}. It is kept in {}.",
-                            scale, error, file)
-              : fmt::format("{:.0f} motor counts per newton metre (+- {:.0f}); kept in {}", scale, error, file));
+    print(common.plain ? fmt::format("{} It is kept in {}.", found.sentence, file)
+                       : fmt::format("{}; kept in {}", found.line, file));
   }
   return 0;
 }
@@ -235,8 +226,12 @@ void add_device(Command app, const CommonOptions& common, Run& run) {
   home.add_option("--language", arguments->language, "of the words")
       .check(one_of(Phrases::languages()))
       .shows_default();
-  add_on_device("calibrate", "find the motors' scale of a Falcon with a known weight, and keep it",
-                [arguments, &common] { return calibrate_device(common, arguments->request, arguments->weight_g); })
+  add_on_any("calibrate", "find the motors' scale of a device with a known weight, and keep it",
+             [arguments, &common] {
+               const NamedKind named = kind_of(arguments->name);
+               arguments->request.argument = named.argument;
+               return calibrate_device(common, *named.kind, arguments->request, arguments->weight_g);
+             })
       .add_option("--weight-g", arguments->weight_g, "grams that will hang from the grip")
       .check(between(20.0, 1000.0))
       .shows_default();

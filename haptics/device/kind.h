@@ -37,6 +37,13 @@ struct FoundDevice {
   std::vector<std::pair<std::string, int>> numbers;  ///< of the place, for programs
 };
 
+/// What a calibration found.
+struct CalibrationReport {
+  std::vector<std::pair<std::string, double>> numbers;  ///< for programs: name with its unit, value
+  std::string line, sentence;                           ///< the same for a person, short and as a whole sentence
+  std::filesystem::path file;                           ///< where it is kept
+};
+
 struct DeviceKind {
   const char* name;      ///< of `--device`
   const char* argument;  ///< that follows it and a colon; in brackets where it may be missing; null: none
@@ -48,6 +55,9 @@ struct DeviceKind {
   /// Each step to the device with its remedy, forces zero, about `seconds` long; empty: made, and watched as any device
   /// is (haptics/conformance). Never throws for what is wrong with the device.
   std::function<CheckReport(const DeviceRequest&, double seconds)> check;
+  /// With a weight of so many newtons on the grip; what to do is told by the request's `say`. Keeps what it finds.
+  /// Empty: there is nothing to calibrate. Throws Error.
+  std::function<CalibrationReport(const DeviceRequest&, double weight_n)> calibrate = nullptr;
 };
 
 }  // namespace sparsha::haptics

@@ -16,7 +16,6 @@ namespace {
 using Steady = std::chrono::steady_clock;
 using Result = CheckStep::Result;
 constexpr double kAnswerTime_s = 0.004;
-constexpr double kSilent_s = 1.0;
 
 /// What a link must keep for a grade. A servo of 1 kHz needs an answer almost every millisecond; with half of them and
 /// a few milliseconds of delay the governor halves the stiffness.
@@ -237,61 +236,6 @@ CheckReport check_falcon(const FalconOptions& options, double link_s) {
   report.link = rest.link;
   report.verdict = rest.verdict;
   return report;
-}
-
-namespace {
-
-/// Asks until `each` returns false; `flags` may change from answer to answer.
-template <typename Flags>
-void watch(Transport& wire, const Flags& flags, const std::function<bool(const Reading&)>& each) {
-  AnswerStream stream;
-  Reading reading;
-  Eigen::Vector3d place = kNeutral_m;
-  const Steady::time_point began = Steady::now();
-  Steady::time_point heard = began;
-  for (;;) {
-    const TransportStatus status = ask(wire, stream, flags(reading), reading.answer, reading.round_trip_s);
-    if (status == TransportStatus::gone)
-      throw Error(ErrorKind::device, {}, "Falcon: unplugged", "a Falcon that stays plugged in");
-    if (status == TransportStatus::nothing) {
-      if (since(heard) > kSilent_s)
-        throw Error(ErrorKind::device, {}, "Falcon: it has not answered for a second",
-                    "its power supply and USB plugged in");
-      forget_late_answers(wire);
-      continue;
-    }
-    heard = Steady::now();
-    reading.time_s = since(began);
-    reading.homed = reading.answer.homed == 7;
-    const auto position = forward(angles_from_counts(reading.answer.counts), place);
-    reading.reachable = position.has_value();
-    place = position.value_or(kNeutral_m);
-    reading.position_m = position.value_or(Eigen::Vector3d::Zero());
-    if (!each(reading)) return;
-  }
-}
-
-}  // namespace
-
-void monitor(Transport& wire, const std::function<bool(const Reading&)>& each) {
-  watch(
-      wire,
-      [](const Reading& last) {
-        return static_cast<std::uint8_t>(kHomingRequest | (last.homed ? kLightGreen : kLightRed));
-      },
-      each);
-}
-
-bool home(Transport& wire, double timeout_s, const std::function<bool(const Reading&)>& each) {
-  bool homed = false;
-  std::uint64_t answers = 0;
-  const auto most = static_cast<std::uint64_t>(2000.0 * timeout_s) + 1;  // virtual time ends too
-  monitor(wire, [&](const Reading& reading) {
-    homed = reading.homed;
-    if (each && !each(reading)) return false;
-    return !homed && reading.time_s < timeout_s && ++answers < most;
-  });
-  return homed;
 }
 
 }  // namespace sparsha::haptics::falcon

@@ -276,30 +276,9 @@ TEST(FalconCheck, JudgesALinkByItsRateItsLossesAndItsLateAnswersAndNamesTheRemed
   }
 }
 
-TEST(FalconCheck, HomingWaitsForThePullAndThePushUnderZeroForce) {
+TEST(FalconCheck, TheMeasurementOfTheLinkEndsWhenAsked) {
   Bench bench{EmulatorOptions{}};
   bring_up(*bench.wire, {});
-  int step = 0;
-  const bool homed = home(*bench.wire, 5.0, [&](const Reading& reading) {
-    ++step;
-    bench.emulator->set_position({0, 0, step < 50 ? 0.135 : step < 100 ? 0.170 : 0.105});
-    if (step < 100) {
-      EXPECT_FALSE(reading.homed);
-    }
-    return true;
-  });
-  EXPECT_TRUE(homed);
-  EXPECT_GE(step, 100);
-  EXPECT_EQ(bench.emulator->device->unsafe_commands(), 0U);
-  EXPECT_NE(bench.emulator->device->flags() & kHomingRequest, 0);
-}
-
-TEST(FalconCheck, HomingAndTheMeasurementOfTheLinkEndWhenAsked) {
-  Bench bench{EmulatorOptions{}};
-  bring_up(*bench.wire, {});
-  int readings = 0;
-  EXPECT_FALSE(home(*bench.wire, 5.0, [&](const Reading&) { return ++readings < 7; }));
-  EXPECT_EQ(readings, 7);
   FalconOptions options;
   int asked = 0;
   options.stop = [&asked] { return ++asked > 20; };
@@ -320,44 +299,6 @@ TEST(FalconFirmware, LoadingIsToldOnceAndEndsWhenAskedInsteadOfTryingAgain) {
   EXPECT_THROW(bring_up(*bench.wire, image(), 1000, loading(options)), sparsha::Cancelled);
   EXPECT_EQ(told, 1);
   EXPECT_EQ(looks, 201);
-}
-
-TEST(FalconCheck, MonitorShowsWhereTheGripIsAndWhichButtonsAreDown) {
-  EmulatorOptions options;
-  options.homed = true;
-  Bench bench(options);
-  bring_up(*bench.wire, {});
-  bench.emulator->set_position({0.02, -0.01, 0.14});
-  bench.emulator->device->set_buttons(5);
-  int count = 0;
-  monitor(*bench.wire, [&](const Reading& reading) {
-    EXPECT_TRUE(reading.reachable);
-    // Half a count of each encoder is at most 0.03 mm at the grip.
-    EXPECT_LT((reading.position_m - Eigen::Vector3d(0.02, -0.01, 0.14)).norm(), 5e-5);
-    EXPECT_EQ(reading.answer.buttons, 5);
-    return ++count < 10;
-  });
-  bench.emulator->device->unplug(true, 0.0);
-  EXPECT_NE(reason([&] { monitor(*bench.wire, [](const Reading&) { return true; }); }).find("unplugged"),
-            std::string::npos);
-}
-
-TEST(FalconCheck, MonitorTakesNoLateAnswerForThatToItsNextQuestion) {
-  EmulatorOptions options;
-  options.homed = true;
-  options.latest_answer_s = 0.007;  // some come after the patience with one question
-  Bench bench(options);
-  bring_up(*bench.wire, {});
-  std::uint8_t pressed = 0;
-  int count = 0;
-  bench.emulator->device->set_buttons(pressed);
-  monitor(*bench.wire, [&](const Reading& reading) {
-    EXPECT_EQ(reading.answer.buttons, pressed) << "after " << count << " answers";
-    pressed = static_cast<std::uint8_t>(++count % 16);
-    bench.emulator->device->set_buttons(pressed);
-    return count < 200;
-  });
-  EXPECT_EQ(count, 200);
 }
 
 }  // namespace
