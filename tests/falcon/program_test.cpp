@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
@@ -345,6 +346,31 @@ TEST_F(FalconProgram, TheMonitorEndsWhenNobodyReadsAnyMore) {
   EXPECT_EQ(run("--fault warm-start -- sh -c \"'" + std::string(SPARSHA_PROGRAM) + "' device monitor | head -1\""), 0);
   EXPECT_THAT(output(), HasSubstr("answers/s"));
   EXPECT_THAT(messages(), HasSubstr("standard output could not be written"));
+}
+
+TEST_F(FalconProgram, InTurnsWithALoopLikeLibnifalconsExploreIsNoSlower) {
+  if (std::getenv("SPARSHA_NIGHTLY") == nullptr) GTEST_SKIP() << "half a minute, with SPARSHA_NIGHTLY=1";
+  double other_hz = 0.0, own_hz = 0.0;
+  constexpr int kTurns = 3;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    ASSERT_EQ(run("-- " PLAIN_USB " turn"), 0) << output();
+    double rate_hz = 0.0;
+    const std::string told = output();
+    ASSERT_EQ(std::sscanf(told.c_str() + std::min(told.size(), told.find("turn ")), "turn %lf", &rate_hz), 1) << told;
+    other_hz += rate_hz / kTurns;
+    ASSERT_EQ(run("--fault warm-start -- '" + std::string(SPARSHA_PROGRAM) +
+                  "' explore plane.xyz --device falcon --headless --duration 4 --json"),
+              0)
+        << messages();
+    const std::string summary = output();
+    ASSERT_EQ(
+        std::sscanf(summary.c_str() + std::min(summary.size(), summary.find("\"ticks\"")), "\"ticks\": %lf", &rate_hz),
+        1)
+        << summary;
+    own_hz += rate_hz / 4.0 / kTurns;
+  }
+  EXPECT_GE(own_hz, 0.9 * other_hz);
+  std::printf("%.0f ticks/s, the other %.0f answers/s\n", own_hz, other_hz);
 }
 
 TEST_F(FalconProgram, ACalibrationThatCannotBeKeptIsNotBegun) {

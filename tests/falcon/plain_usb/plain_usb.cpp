@@ -1,6 +1,7 @@
 // Another program's way to a Falcon: plain libusb by the published facts, with no line of the driver or the emulator.
 // Names the device, loads its firmware, homes it, waits for a button; `leave-force` then pushes and ends so. `rate`
-// counts answers instead of homing.
+// counts answers instead of homing; `turn` does so for four seconds as libnifalcon's loop runs: a write and a read
+// without waiting, then the library's events for 100 us a pass.
 #include <libusb.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <string>
 #include <utility>
 #include <vector>
@@ -122,6 +124,66 @@ int best_rate() {
   return best;
 }
 
+/// What is on its way between two passes.
+struct Turn {
+  std::array<unsigned char, 64> read{};
+  std::array<unsigned char, 16> written{};
+  bool reading = false, writing = false, failed = false;
+  std::string bytes;
+};
+
+void LIBUSB_CALL has_read(libusb_transfer* transfer) {
+  Turn& turn = *static_cast<Turn*>(transfer->user_data);
+  turn.reading = false;
+  if (transfer->status != LIBUSB_TRANSFER_COMPLETED) turn.failed = true;
+  if (transfer->actual_length > 2)
+    turn.bytes.append(reinterpret_cast<char*>(transfer->buffer) + 2,
+                      static_cast<std::size_t>(transfer->actual_length) - 2);
+}
+
+void LIBUSB_CALL has_written(libusb_transfer* transfer) {
+  Turn& turn = *static_cast<Turn*>(transfer->user_data);
+  turn.writing = false;
+  if (transfer->status != LIBUSB_TRANSFER_COMPLETED) turn.failed = true;
+}
+
+/// Answers a second for four seconds, and the share of a core that they take.
+void take_turn(libusb_context* context) {
+  using Steady = std::chrono::steady_clock;
+  constexpr double kSeconds = 4.0;
+  Turn turn;
+  libusb_transfer* const in = libusb_alloc_transfer(0);
+  libusb_transfer* const out = libusb_alloc_transfer(0);
+  libusb_fill_bulk_transfer(in, falcon, kIn, turn.read.data(), 64, has_read, &turn, kTimeout_ms);
+  libusb_fill_bulk_transfer(out, falcon, kOut, turn.written.data(), 16, has_written, &turn, 0);
+  std::memcpy(turn.written.data(), "<AAAAAAAAAAAAAA>", 16);
+  const auto ask_again = [&] {
+    turn.writing = libusb_submit_transfer(out) == 0;
+    turn.reading = libusb_submit_transfer(in) == 0;
+    if (!turn.writing || !turn.reading) fail("submit", 0);
+  };
+  const std::clock_t processor = std::clock();
+  const Steady::time_point began = Steady::now();
+  int answers = 0;
+  ask_again();
+  double passed_s = 0.0;
+  while ((passed_s = std::chrono::duration<double>(Steady::now() - began).count()) < kSeconds && !turn.failed) {
+    timeval patience{0, 100};
+    libusb_handle_events_timeout(context, &patience);
+    if (turn.reading || turn.writing) continue;
+    if (turn.bytes.size() < 16) {
+      turn.reading = libusb_submit_transfer(in) == 0;
+      continue;
+    }
+    turn.bytes.erase(0, 16);
+    ++answers;
+    ask_again();
+  }
+  const double busy_s = static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC;
+  std::printf("turn %.0f answers/s, %.0f %% of a core%s\n", answers / passed_s, 100.0 * busy_s / passed_s,
+              turn.failed ? ", and a transfer failed" : "");
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -141,6 +203,10 @@ int main(int count, char** arguments) {
   unsigned char status[2] = {};
   if (libusb_control_transfer(falcon, 0xC0, 0x05, 0, 0, status, 2, kTimeout_ms) != 2) fail("modem status", 0);
   std::printf("latency %d\n", latency_ms());
+  if (mode == "turn") {
+    take_turn(context);
+    return 0;
+  }
   if (mode == "rate") {
     std::printf("rate %d\n", best_rate());
     return 0;
