@@ -183,10 +183,22 @@ class Course {
     const Look at_edge = pass_edge();
     if (at_edge != Look::stays || cell == kRimCell) return at_edge;
     if (left_count_ > 0) return stop_unfinished() ? Look::moves : Look::leaves;
+    if (fall_beyond_edge()) return Look::moves;
     // The surface has ended: the proxy is let go.
     take_off(hip_m_);
     found_.released = true;
     return Look::leaves;
+  }
+
+  /// A proxy may have gone on further beyond an edge than pass_edge() looks: what lies on its way to the hand is
+  /// entered from outside. False where nothing does, or where it would be the sheet itself.
+  bool fall_beyond_edge() noexcept {
+    const Flight flight = fly(object_, state_.position_m, hip_m_, true, options_.shape);
+    if (!flight.crossing || flight.crossing->sheet == state_.sheet || !may_enter(flight.crossing->sheet)) return false;
+    ++found_.edges;
+    const SheetSurface& other = object_.sheets[flight.crossing->sheet];
+    move_to(flight.crossing->sheet, view_of(other, other.to_object(flight.crossing->local_m)));
+    return true;
   }
 
   /// The nearest sheet that goes on with this surface, if there is one.

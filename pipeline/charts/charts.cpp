@@ -1,4 +1,4 @@
-// Discs once, then each side's layers and sheets.
+// Discs once, then each side's layers and sheets, and what noise is left.
 #include "pipeline/charts/charts.h"
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include "pipeline/charts/layers.h"
 #include "pipeline/charts/sheets.h"
 #include "pipeline/charts/sided_discs.h"
+#include "pipeline/charts/smooth_sheets.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -54,6 +55,7 @@ ChartResult make_charts(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
     result.small_sheet_nodes += of_side.small_nodes;
     std::move(of_side.sheets.begin(), of_side.sheets.end(), std::back_inserter(result.charts.sheets));
   }
+  smooth_sheets(result.charts.sheets, result.charts.spacing_m, result.noise_m, context);
   return result;
 }
 

@@ -33,7 +33,7 @@ using Eigen::Vector3d;
 using haptics::AroundState;
 using haptics::AroundUpdate;
 
-void expect_true(const Touched& on, const Outcome& o) {
+void expect_true(const Touched& on, const Outcome& o, double most_error) {
   const std::string all = on.name + ": " + std::to_string(o.contacts) + " contacts, " + std::to_string(o.through) +
                           " through, " + std::to_string(o.unfinished) + " unfinished, " + std::to_string(o.hand_overs) +
                           " hand-overs, " + std::to_string(o.edges) + " edges, " + std::to_string(o.off_surface) +
@@ -49,7 +49,7 @@ void expect_true(const Touched& on, const Outcome& o) {
   EXPECT_EQ(o.off_surface, 0U) << all;
   EXPECT_EQ(o.apart, 0U) << all;
   EXPECT_LE(o.unfinished, o.ticks / 1000) << all;
-  EXPECT_LE(o.force_error, 0.025) << all;
+  EXPECT_LE(o.force_error, most_error) << all;
   EXPECT_LE(o.turn_deg, 4.0) << all;
 }
 
@@ -61,8 +61,61 @@ std::vector<Touched> smooth_objects() {
 TEST(Around, AHandThatWandersFeelsTheTrueSurface) {
   const bool nightly = std::getenv("SPARSHA_NIGHTLY") != nullptr;
   for (const Touched& on : smooth_objects()) {
+    const double most_error = on.name == "knot" ? 0.02 : 0.01;  // the knot's tube is eight spacings thick
     for (const haptics::CellShape shape : {haptics::CellShape::bilinear, haptics::CellShape::rounded})
-      expect_true(on, wander(on, nightly ? 200'000 : 4'000, 4.0, 7, {.shape = shape}));
+      expect_true(on, wander(on, nightly ? 200'000 : 4'000, 4.0, 7, {.shape = shape}), most_error);
+  }
+}
+
+/// Nodes are moved along their side's axis onto the true surface, by Newton's steps. Those whose slope is that of a
+/// flank stay.
+void move_onto(const ClosedObject& object, double h, scene::Charts& charts) {
+  for (scene::Sheet& sheet : charts.sheets) {
+    const scene::SideAxes axes = scene::SideAxes::of(sheet.side);
+    const Vector3d up = axes.to_grid(Vector3d(0.0, 0.0, 1.0));
+    for (int j = 0; j < sheet.ny; ++j) {
+      for (int i = 0; i < sheet.nx; ++i) {
+        const std::size_t node = sheet.index(i, j);
+        if (!sheet.measured(node)) continue;
+        Vector3d place = charts.place_m(sheet, i, j) + charts.origin_m;
+        const Vector3d before = place;
+        Vector3d normal = up;
+        for (int k = 0; k < 8; ++k) {
+          normal = GodObject(object, h, place).normal(place);
+          place -= object.distance_m(place) / std::max(0.3, normal.dot(up)) * up;
+        }
+        if (normal.dot(up) <= 0.3 || (place - before).norm() > h) continue;
+        sheet.height_m[node] += static_cast<float>((place - before).dot(up));
+        const Vector3d local = axes.to_chart(normal);
+        sheet.slope_u[node] = static_cast<float>(-local.x() / local.z());
+        sheet.slope_v[node] = static_cast<float>(-local.y() / local.z());
+      }
+    }
+  }
+}
+
+TEST(Around, OnExactNodesTheForceIsThatOfTheTrueSurface) {
+  struct Object {
+    std::string name;
+    ObjectPtr object;
+    double most_error;
+  };
+  for (const Object& exact : {Object{"torus", make_torus(), 0.004}, Object{"two spheres", make_two_spheres(), 0.004},
+                              Object{"knot", make_knot(), 0.008}}) {
+    ScanOptions options;
+    options.points = 20'000;
+    options.seed = 12;
+    const ObjectScan scan = scan_object(*exact.object, options);
+    ThreadPool pool(2);
+    Progress progress;
+    scene::GridConfig grid;
+    grid.spacing_m = scan.spacing_m;
+    auto charts =
+        pipeline::make_charts(make_cloud(scan.points), Eigen::Matrix4d::Identity(), grid, 0.0, {pool, progress}).charts;
+    move_onto(*exact.object, scan.spacing_m, charts);
+    const Touched on{exact.name, exact.object, scan.spacing_m, haptics::make_object_surface(charts)};
+    for (const haptics::CellShape shape : {haptics::CellShape::bilinear, haptics::CellShape::rounded})
+      expect_true(on, wander(on, 2'500, 4.0, 7, {.shape = shape}), exact.most_error);
   }
 }
 
