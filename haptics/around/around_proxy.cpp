@@ -24,6 +24,7 @@ constexpr double kCreaseStep = 0.5;          // cells
 constexpr double kCreaseRest = 1e-7;         // cells
 constexpr int kFewSteps = 12;                // of the solver
 constexpr double kOneLook = 0.5;             // cells: a way that needs but one look about
+constexpr double kMeasuredLook = 2.0;        // cells: the same for one that ends where the sheet was measured
 constexpr int kLongRun = 16;                 // cells: the solver may divide the hand's way
 
 bool is_hand(const ObjectSurface& object, const Eigen::Vector3d& hip_m) noexcept {
@@ -127,7 +128,8 @@ class Course {
       slid_ = update_exact(*sheet().surface, hip_m, state_.proxy, options);
       const Eigen::Vector3d way_m = state_.proxy.position - before.position;
       const double length = way_m.head<2>().cwiseAbs().maxCoeff() / object_.spacing_m;
-      if (length <= std::max(kOneLook, run - 1.0) && !slid_.unfinished) return;
+      const bool measured = slid_.contact && cell_here() >= kLookCell;
+      if (length <= std::max(measured ? kMeasuredLook : kOneLook, run - 1.0) && !slid_.unfinished) return;
       state_.proxy = before;
     }
     options.segment_limit = std::min(run, options_.segment_limit);

@@ -263,6 +263,14 @@ bool stops(const SheetSurface& sheet, std::uint8_t cell, const Eigen::Vector3d& 
   return view_of(sheet, place_m + kAboveCorner * spacing_m * up).cell >= kLookCell;
 }
 
+/// Is a sheet the same surface as the proxy's own at a place?
+bool is_same(const SheetSurface& sheet, const Eigen::Vector3d& place_m, const Eigen::Vector3d& normal,
+             double spacing_m) noexcept {
+  const SheetView view = view_of(sheet, place_m);
+  return view.cell >= kLookCell && std::abs(view.gap_m) <= kBetweenSheets * spacing_m &&
+         view.normal.dot(normal) >= kSameNormal;
+}
+
 template <class Surface>
 std::optional<Crossing> stop_over(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& from_m,
                                   const Eigen::Vector3d& to_m, const Eigen::Vector3d& normal) noexcept {
@@ -274,6 +282,8 @@ std::optional<Crossing> stop_over(const ObjectSurface& object, std::uint32_t own
     const std::uint32_t other = passing.sheet;
     if (other == own || passing.is_apart(from_m, to_m, kept * object.spacing_m)) continue;
     const SheetSurface& sheet = object.sheets[other];
+    // Where sheets overlap they are one surface at both ends of the way, and stop nothing between.
+    if (is_same(sheet, to_m, normal, object.spacing_m) && is_same(sheet, from_m, normal, object.spacing_m)) continue;
     const Eigen::Vector3d from = cells_per_m * sheet.to_local(from_m);
     const Eigen::Vector3d w = cells_per_m * sheet.axes.to_chart(way_m);
     SheetMarch<Surface> march(sheet, {from.x(), from.y(), from.z()}, {w.x(), w.y(), w.z()}, true);

@@ -105,15 +105,49 @@ inline void to_bernstein(const double* power, int degree, double* bernstein) noe
   }
 }
 
+inline constexpr double kNarrow = 1e-15;
+
+/// Do the coefficients turn from not negative to negative once, and stay so? Then the polynomial does in [0, 1], by the
+/// variation diminishing property (Farin 2002).
+inline bool turns_once(const double* b, int degree) noexcept {
+  int first = 0;
+  while (first <= degree && b[first] >= 0.0) ++first;
+  for (int i = first; i <= degree; ++i)
+    if (b[i] >= 0.0) return false;
+  return first > 0 && first <= degree;
+}
+
+/// The root in [0, 1] of a polynomial that turns once: Newton's steps, halved where they leave what holds the root.
+inline double only_root(const double* b, int degree) noexcept {
+  constexpr int kMostSteps = 60;
+  double low = 0.0;
+  double high = 1.0;
+  double at = b[0] / (b[0] - b[degree]);
+  for (int step = 0; step < kMostSteps; ++step) {
+    double row[kDegree + 1];
+    std::copy(b, b + degree + 1, row);
+    for (int left = degree; left > 1; --left)
+      for (int i = 0; i < left; ++i) row[i] += at * (row[i + 1] - row[i]);
+    const double slope = degree * (row[1] - row[0]);
+    const double value = row[0] + at * (row[1] - row[0]);
+    (value < 0.0 ? high : low) = at;
+    double next = at - value / slope;
+    if (!(next >= low && next <= high)) next = 0.5 * (low + high);
+    if (std::abs(next - at) < kNarrow || high - low < kNarrow) return next;
+    at = next;
+  }
+  return low;
+}
+
 /// First place in [low, low + width] where the polynomial goes below zero, or infinity: de Casteljau subdivision, left
 /// half first. `splits` bounds the work on grazing rays; used up, the place reached counts as the hit.
 inline double first_negative(const double* b, int degree, double low, double width, int& splits) noexcept {
   constexpr double kMiss = std::numeric_limits<double>::infinity();
-  constexpr double kNarrow = 1e-15;
   if (*std::min_element(b, b + degree + 1) >= 0.0) return kMiss;
   if (b[0] < 0.0 || width < kNarrow || splits <= 0) return low;
+  if (turns_once(b, degree)) return low + width * only_root(b, degree);
   --splits;
-  double left[kDegree + 1];
+  double left[kDegree + 1] = {};
   double right[kDegree + 1];  // in place: the triangle's last entries are the right half
   std::copy(b, b + degree + 1, right);
   for (int level = 0; level <= degree; ++level) {
