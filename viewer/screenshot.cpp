@@ -34,13 +34,14 @@ void write_framebuffer(int width, int height, const std::filesystem::path& file)
 }
 
 void write_screenshot(const scene::ScenePointer& scene, const haptics::State& state, const scene::ViewerConfig& config,
-                      const std::filesystem::path& file) {
+                      const std::filesystem::path& file, const Strip& strip) {
   constexpr int kWidth = 1280, kHeight = 720;
   const gl::OffscreenContext context;
   Picture picture;
   picture.set_scene(scene);
   Controller controller({}, settings_of(config));
   controller.set_scene(scene);
+  controller.frame().strip = strip;
   const auto height_at = [&](double x_m, double y_m) { return picture.height_at(x_m, y_m); };
   controller.update(0.0, state, kWidth, kHeight, height_at);
   const gl::Target target(kWidth, kHeight, false);

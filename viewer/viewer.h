@@ -17,6 +17,7 @@
 #include "scene/config/viewer.h"
 #include "scene/scene_fwd.h"
 #include "viewer/cloud/point_view.h"
+#include "viewer/strip.h"
 
 namespace sparsha::viewer {
 
@@ -66,10 +67,11 @@ struct Connections {
 /// Error{failure} when no window can be opened.
 WindowEnd run_window(const Connections& connections, const ViewerOptions& options);
 
-/// Draws one 1280x720 picture of scene and state without a display and writes it as PNG, atomically.
+/// Draws one 1280x720 picture of scene and state without a display and writes it as PNG, atomically. `strip` is what
+/// was felt until then.
 /// Throws Error{failure} when no off-screen context can be made.
 void write_screenshot(const scene::ScenePointer& scene, const haptics::State& state, const scene::ViewerConfig& config,
-                      const std::filesystem::path& file);
+                      const std::filesystem::path& file, const Strip& strip = {});
 
 /// Draws the scene from six sides without a display, two rows of three squares of `side` pixels: front, right, back;
 /// left, from above, from below. Writes it as PNG, atomically. Of a relief without charts the front alone is shown.

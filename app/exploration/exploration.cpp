@@ -70,9 +70,13 @@ bool starts_with_scans(const ExploreArguments& arguments, bool window) {
 void LastTouch::see(const haptics::State& now) {
   const bool feels =
       now.contact == 1 && (now.flags & haptics::kFlagArmed) != 0 && (now.flags & haptics::kFlagFault) == 0;
-  if (now.scene != state.scene) felt = false;
-  if (feels || !felt) state = now;
-  felt = felt || feels;
+  if (now.scene != state_.scene) felt_ = false;
+  const bool shown = feels || !felt_;
+  if (shown_ && !shown) strip_then_ = strip_;
+  shown_ = shown;
+  strip_.add(now);
+  if (shown) state_ = now;
+  felt_ = felt_ || feels;
 }
 
 Exploration::Exploration(const ExploreArguments& arguments, const CommonOptions& common, Terminal& terminal,
@@ -151,8 +155,8 @@ void Exploration::deliver(const CommonOptions& common) {
   deliveries.attempt([&] { sound_.stop(); });
   if (!arguments_.screenshot.empty()) {
     deliveries.attempt([&] {
-      viewer::write_screenshot(session_->scene(), touch_.state, scene_->description().config.viewer,
-                               arguments_.screenshot);
+      viewer::write_screenshot(session_->scene(), touch_.state(), scene_->description().config.viewer,
+                               arguments_.screenshot, touch_.strip());
     });
   }
   if (!arguments_.study.empty()) {

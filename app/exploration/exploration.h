@@ -28,12 +28,19 @@
 
 namespace sparsha::app {
 
-/// Remembers the last moment in which the hand felt the scene that is touched, so that a picture taken after the run
-/// shows the touch.
-struct LastTouch {
-  haptics::State state;
-  bool felt = false;
+/// Remembers the last moment in which the hand felt the scene that is touched, and the seconds before it, so that a
+/// picture taken after the run shows the touch.
+class LastTouch {
+ public:
   void see(const haptics::State& now);
+  [[nodiscard]] const haptics::State& state() const { return state_; }
+  /// Ends at state().
+  [[nodiscard]] const viewer::Strip& strip() const { return shown_ ? strip_ : strip_then_; }
+
+ private:
+  haptics::State state_;
+  viewer::Strip strip_, strip_then_;  ///< until now; until the last touch, when that is over
+  bool felt_ = false, shown_ = false;
 };
 
 /// One thread, the one that shows the window.

@@ -33,8 +33,8 @@ std::string plane_filter(const Projection& projection) {
   // Two digits, and no minus before a zero.
   const auto tidy = [](double value) { return std::round(100.0 * value) / 100.0 + 0.0; };
   const double distance_m = std::max(3.0 * projection.noise_m, projection.point_spacing_m);
-  return fmt::format("remove_plane: {{normal: [{:.2f}, {:.2f}, {:.2f}], distance_mm: {:.2g}}}", n.x() + 0.0,
-                     n.y() + 0.0, tidy(n.z()), 1e3 * distance_m);
+  return fmt::format("remove_plane: {{normal: [{:.2f}, {:.2f}, {:.2f}], distance_mm: {:.2g}}}", tidy(n.x()),
+                     tidy(n.y()), tidy(n.z()), 1e3 * distance_m);
 }
 
 }  // namespace

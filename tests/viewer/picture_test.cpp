@@ -3,10 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 
 #include "base/error.h"
+#include "base/files.h"
+#include "base/png_reader.h"
 #include "relief_scene.h"
 #include "scene/scene.h"
 #include "studio.h"
@@ -417,6 +421,32 @@ TEST(Screenshot, WritesAPngOfTheContractsSizeOrNothing) {
   ASSERT_TRUE(std::filesystem::exists(file));
   EXPECT_GT(std::filesystem::file_size(file), 100'000U) << "a blank picture is far smaller";
   EXPECT_THROW(write_screenshot(scene, {}, {}, folder / "missing" / "view.png"), Error);
+}
+
+/// Of the strip's blue curve, in a picture on disk.
+std::size_t depth_pixels(const std::filesystem::path& file) {
+  const ColourImage image =
+      read_colour_png(read_file(file, 10'000'000), file.string(), [](std::size_t, std::size_t) {});
+  return static_cast<std::size_t>(std::ranges::count_if(image.rgba, [](std::uint32_t rgba) {
+    const auto* p = reinterpret_cast<const unsigned char*>(&rgba);
+    return std::abs(p[0] - 110) < 12 && std::abs(p[1] - 190) < 12 && std::abs(p[2] - 255) < 12;
+  }));
+}
+
+TEST(Screenshot, ShowsTheSecondsBeforeTheTouch) {
+  const sparsha::test::TestFolder folder;
+  const auto scene = scene_of(lotus, {201, 201, 0.002, 1});
+  haptics::State state = touching(*scene, 0.2, 0.2, 0.01, 0.2, 0.2);
+  Strip strip;
+  for (int k = 0; k <= 500; ++k) {
+    state.tick = static_cast<std::uint64_t>(20 * k + 1);
+    state.time_s = 0.02 * k;
+    state.penetration_m = 0.0004 * (1.0 + std::sin(0.05 * k));
+    strip.add(state);
+  }
+  write_screenshot(scene, state, {}, folder / "with.png", strip);
+  write_screenshot(scene, state, {}, folder / "without.png");
+  EXPECT_GT(depth_pixels(folder / "with.png"), depth_pixels(folder / "without.png") + 100);
 }
 
 }  // namespace
