@@ -79,6 +79,9 @@ install(TARGETS sparsha RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT pr
 if(TARGET sparsha_program)
   install(TARGETS sparsha_program RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR}/sparsha COMPONENT program)
 endif()
+if(TARGET sparsha_mpi)  # a component of its own: the program's package is not to need MPI
+  install(TARGETS sparsha_mpi LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/sparsha COMPONENT mpi)
+endif()
 if(TARGET sparsha_opencv_images)
   install(TARGETS sparsha_opencv_images LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/sparsha COMPONENT program)
 endif()

@@ -1,8 +1,14 @@
 // sparsha build CONFIG|SCAN...: scans in, scene folder out.
 #include <fmt/format.h>
 
+#include <chrono>
+#include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <memory>
+#include <new>
+#include <optional>
+#include <thread>
 
 #include "app/commands/commands.h"
 #include "app/inputs.h"
@@ -14,6 +20,8 @@
 #include "base/paths.h"
 #include "base/system.h"
 #include "pipeline/build/build.h"
+#include "pipeline/build/on_ranks.h"
+#include "pipeline/cluster/ranks.h"
 #include "scene/config/config.h"
 #include "scene/folder/folder.h"
 
@@ -61,7 +69,8 @@ void require_place(const fs::path& folder) {
               "a folder that can be written to");
 }
 
-int run_build(const Arguments& arguments, const CommonOptions& common) {
+// `transport`: to the other processes that build the scene as well; null alone.
+int run_build(const Arguments& arguments, const CommonOptions& common, pipeline::Transport* transport) {
   Terminal terminal(common);
   pipeline::BuildOptions options;
   options.threads = arguments.threads;
@@ -70,10 +79,14 @@ int run_build(const Arguments& arguments, const CommonOptions& common) {
   if (!arguments.memory.empty()) options.memory_bytes = parse_bytes(arguments.memory);
 
   const fs::path folder = scene_folder(arguments);
-  if (!arguments.validate) require_place(folder);
+  std::optional<pipeline::Ranks> ranks;
+  if (transport != nullptr) options.ranks = &ranks.emplace(*transport, terminal.progress());
+  const bool is_root = !ranks || ranks->is_root();
+  if (!arguments.validate && is_root) require_place(folder);
   const scene::Config config = config_from(arguments.inputs, arguments.settings, common.trusted(), terminal.progress(),
                                            options.memory_bytes, options.force);
   audio::require_clips(config);  // before a long build, not when somebody wants to hear them
+  if (ranks) pipeline::require_fit_for_ranks(config);
   if (arguments.validate) {
     for (const scene::ScanConfig& scan : config.scans) {
       std::error_code code;
@@ -81,12 +94,17 @@ int run_build(const Arguments& arguments, const CommonOptions& common) {
         throw input_error(scan.file.string(), "the scan does not exist", "a readable file");
       }
     }
-    print(common.json ? std::string("{\"valid\": true}") : scene::to_yaml(config));
+    if (is_root) print(common.json ? std::string("{\"valid\": true}") : scene::to_yaml(config));
     return 0;
   }
   scene::require_replaceable(folder, config);
   std::error_code code;
   fs::create_directories(without_dots(fs::absolute(folder, code)).parent_path(), code);
+  if (!is_root) {
+    blaming_scans(arguments.inputs, arguments.settings,
+                  [&] { pipeline::take_part_in_build(config, options, folder, terminal.progress()); });
+    return 0;
+  }
   const pipeline::BuildResult result = blaming_scans(arguments.inputs, arguments.settings, [&] {
     return pipeline::build_scene_folder(config, options, folder, terminal.progress());
   });
@@ -94,6 +112,40 @@ int run_build(const Arguments& arguments, const CommonOptions& common) {
         : common.plain ? build_sentences(*result.scene, result.report, folder)
                        : build_summary(*result.scene, result.report, folder));
   return 0;
+}
+
+[[noreturn]] void abort_all(pipeline::Transport& transport, int code) {
+  transport.abort(code);
+  std::_Exit(code);  // for compilers, which do not see that a virtual function never returns
+}
+
+// The rank that failed says so and ends the others. What fails on every rank, the root says alone: it ends them while
+// they wait.
+[[noreturn]] void end_all(pipeline::Transport& transport, const std::string& wrong, int code) {
+  constexpr std::chrono::seconds kForRoot(3);
+  if (transport.rank() != 0) std::this_thread::sleep_for(kForRoot);
+  print_error(fmt::format("rank {} of {} on {}: {}", transport.rank(), transport.size(), transport.host(), wrong));
+  abort_all(transport, code);
+}
+
+int run_among_ranks(const Arguments& arguments, const CommonOptions& common) {
+  pipeline::Transport& transport = pipeline::mpi_transport();
+  CommonOptions own = common;
+  own.quiet = common.quiet || transport.rank() != 0;
+  try {
+    const int code = run_build(arguments, own, &transport);
+    transport.finish();
+    return code;
+  } catch (const Cancelled&) {
+    if (transport.rank() == 0) print_error("stopped; nothing was changed");
+    abort_all(transport, 1);
+  } catch (const Error& error) {
+    end_all(transport, error.what(), static_cast<int>(error.kind()));
+  } catch (const std::bad_alloc&) {
+    end_all(transport, "error: out of memory; more ranks on more machines, a coarser grid or --memory", 1);
+  } catch (const std::exception& error) {
+    end_all(transport, std::string("error: ") + error.what(), 1);
+  }
 }
 
 }  // namespace
@@ -111,8 +163,11 @@ void add_build(Command app, const CommonOptions& common, Run& run) {
                    "build although the surface lies far from the points, or chunks of a LAZ file are damaged");
   command.add_option("--only", arguments->only, "grid: read, project and write heights, nothing else")
       .check(one_of({"grid"}));
-  command.callback(
-      [arguments, &common, &run] { run = [arguments, &common] { return run_build(*arguments, common); }; });
+  command.callback([arguments, &common, &run] {
+    run = [arguments, &common] {
+      return pipeline::started_by_mpi() ? run_among_ranks(*arguments, common) : run_build(*arguments, common, nullptr);
+    };
+  });
 }
 
 }  // namespace sparsha::app

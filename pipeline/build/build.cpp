@@ -367,16 +367,31 @@ void write_scene_folder(const BuildResult& result, const std::filesystem::path& 
   target.commit();
 }
 
+namespace {
+
+BuildOptions with_scratch_beside(BuildOptions options, const std::filesystem::path& folder) {
+  if (options.scratch_folder.empty())
+    options.scratch_folder = folder.parent_path().empty() ? std::filesystem::path(".") : folder.parent_path();
+  return options;
+}
+
+}  // namespace
+
+void take_part_in_build(const scene::Config& given, const BuildOptions& options, const std::filesystem::path& folder,
+                        Progress& progress) {
+  const BuildOptions building = with_scratch_beside(options, folder);
+  scene::Config config = given;
+  config.scans = without_repeats(given.scans, progress);
+  ThreadPool pool(building.threads);
+  (void)project_scans(config, building, {pool, progress});
+}
+
 BuildResult build_scene_folder(const scene::Config& config, const BuildOptions& options,
                                const std::filesystem::path& folder, Progress& progress) {
   const auto began = std::chrono::steady_clock::now();
   scene::require_replaceable(folder, config);
   AtomicPath target(folder, AtomicPath::Kind::folder);
-  BuildOptions building = options;
-  if (building.scratch_folder.empty()) {
-    building.scratch_folder = folder.parent_path().empty() ? std::filesystem::path(".") : folder.parent_path();
-  }
-  BuildResult result = build_scene(config, building, progress);
+  BuildResult result = build_scene(config, with_scratch_beside(options, folder), progress);
   progress.begin("write");
   target.naming_target([&] { scene::write_scene(*result.scene, target.temporary()); });
   progress.finish();

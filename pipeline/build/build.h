@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "base/progress.h"
+#include "pipeline/cluster/ranks.h"
 #include "pipeline/report/report.h"
 #include "scene/scene_fwd.h"
 
@@ -21,6 +22,9 @@ struct BuildOptions {
   /// Where such files are, without a name: they go with the build. build_scene_folder takes the scene's parent folder
   /// when it is empty, build_scene the system's folder for temporary files.
   std::filesystem::path scratch_folder;
+  /// Of those that build this scene together, with the same configuration and options; null alone. The root alone
+  /// writes the scene, the others call take_part_in_build().
+  const Ranks* ranks = nullptr;
 };
 
 struct BuildResult {
@@ -36,6 +40,10 @@ struct BuildResult {
 /// failure.
 BuildResult build_scene_folder(const scene::Config& config, const BuildOptions& options,
                                const std::filesystem::path& folder, Progress& progress);
+
+/// The part of a rank that is not the root in build_scene_folder(). Throws as that does.
+void take_part_in_build(const scene::Config& config, const BuildOptions& options, const std::filesystem::path& folder,
+                        Progress& progress);
 
 /// Writes what build_scene() has made as build_scene_folder() does: the same files, beside the target and then renamed.
 /// Throws Error{usage} unless `folder` is new, empty, or holds what a build wrote; Error{failure}; Cancelled.

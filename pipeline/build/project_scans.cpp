@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/system.h"
 #include "pipeline/build/measured_points.h"
+#include "pipeline/build/on_ranks.h"
 #include "pipeline/build/point_worth.h"
 #include "pipeline/build/unrolled.h"
 #include "pipeline/filter/filter.h"
@@ -97,8 +98,8 @@ class Builder {
 
   ProjectedScans run() {
     progress_.begin("read");
-    ScanSet scans(config_.scans, limit_.none() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true, progress_,
-                  fields_of(filters_), mesh_refusal(limit_, filters_, fields_of(filters_).size(), false),
+    ScanSet scans(config_.scans, limit_.none() && !shared() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true,
+                  progress_, fields_of(filters_), mesh_refusal(limit_, filters_, fields_of(filters_).size(), false),
                   part_of(filters_, options_.force));
     require_fields(config_.scans, scans, filters_, progress_);
     if (!options_.grid_only) warn_of_unused_worth(config_.scans, scans, filters_, progress_);
@@ -108,12 +109,13 @@ class Builder {
       for (const std::string& pieces : scans.pieces()) progress_.warn(pieces);
     }
     try {
-      if (!may_fit(limit_, amount_of(scans), filters_)) throw DoesNotFit();
+      if (shared() || !may_fit(limit_, amount_of(scans), filters_)) throw DoesNotFit();
       build_in_memory(scans);
     } catch (const DoesNotFit& needed) {
       result_ = {};
       grid_ = config_.grid;
       oriented_ = !config_.orientation.face.has_value();
+      if (shared()) require_points_for_ranks(config_, scans.faces());
       require_points_only(scans, needed.bytes);
       if (thins()) {
         build_thinned(scans);
@@ -147,6 +149,9 @@ class Builder {
     throw Error(ErrorKind::failure, {}, "there is no folder for temporary files: " + code.message(),
                 "TMPDIR, if set, naming a folder");
   }
+  /// Whether several processes build the scene, and whether this one goes on with what they have projected.
+  [[nodiscard]] bool shared() const { return options_.ranks != nullptr; }
+  [[nodiscard]] bool is_root() const { return !shared() || options_.ranks->is_root(); }
   [[nodiscard]] bool finds_pillars() const {
     return !options_.grid_only && config_.audio && config_.audio->find_pillars;
   }
@@ -423,17 +428,17 @@ class Builder {
     StreamedFilters streamed(scans, filters_, {pool_, progress_});
     if (!oriented_ || finds_pillars()) streamed.sample_kept();
     CloudOnDisk cloud = write_to_disk(scans, std::move(streamed), config_.grid.colour, config_.grid.intensity,
-                                      scratch_folder(), progress_);
-    if (cloud.size() == 0) throw no_points(config_);
+                                      scratch_folder(), options_.ranks, progress_);
+    if (cloud.all == 0) throw no_points(config_);
     result_.points = {};
     result_.points.invalid = cloud.invalid;
     const std::vector<Eigen::Vector3d> sample_m = cloud.filters.kept.points();
     add_steps(std::move(cloud.filters));
-    result_.points.read = cloud.size() + cloud.invalid + result_.points.filtered;
+    result_.points.read = cloud.all + cloud.invalid + result_.points.filtered;
 
     use_sample(sample_m, cloud.stations);
     progress_.begin("project");
-    TiledProjection tiled(std::move(cloud), scan_to_grid_, config_.grid, config_.haptics.resolution_m,
+    TiledProjection tiled(std::move(cloud), scan_to_grid_, config_.grid, config_.haptics.resolution_m, options_.ranks,
                           {pool_, progress_});
     const scene::Lattice& lattice = tiled.plan().lattice;
     const std::uint64_t sample_bytes = checks() ? bytes_of_sample(*config_.check, result_.points.read, lattice) : 0;
@@ -444,7 +449,7 @@ class Builder {
     }
     result_.projection = tiled.run(tile_points, scratch_folder(), {pool_, progress_});
     system::trim_heap();
-    if (!checks()) return;
+    if (!checks() || !is_root()) return;
     auto points = std::make_shared<BucketedPoints>(tiled.take_points());
     const double noise_m = result_.projection.noise_m;
     const double point_spacing_m = result_.projection.point_spacing_m;

@@ -10,6 +10,7 @@
 
 #include "base/progress.h"
 #include "base/thread_pool.h"
+#include "pipeline/cluster/ranks.h"
 #include "pipeline/filter/streamed.h"
 #include "pipeline/outofcore/point_file.h"
 #include "pipeline/projection/points.h"
@@ -19,7 +20,8 @@ namespace sparsha::pipeline {
 
 struct CloudOnDisk {
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
-  std::unique_ptr<PointFile> file;  ///< one bucket
+  std::unique_ptr<PointFile> file;  ///< one bucket: all points, or the share of a rank
+  std::uint64_t all = 0;            ///< points of all ranks
   std::uint64_t invalid = 0;
   FilterSteps filters;  ///< what they took away
   float largest_intensity = 0.0F;
@@ -30,9 +32,9 @@ struct CloudOnDisk {
 
 /// Streams the scans once more, rounds every point as a Cloud holds it, and keeps those that the filters keep.
 /// Attributes that are asked for are kept too. Throws Error{input} when nothing is left, Error{failure} when the disk
-/// is full.
+/// is full. `ranks`: each keeps its share of the records in their order, and knows the same of all of them; null alone.
 [[nodiscard]] CloudOnDisk write_to_disk(const ScanSet& scans, StreamedFilters filters, bool colour, bool intensity,
-                                        const std::filesystem::path& folder, Progress& progress);
+                                        const std::filesystem::path& folder, const Ranks* ranks, Progress& progress);
 
 /// The raw points of some records; valid as long as the records are.
 [[nodiscard]] inline RawPoints raw_points(const PointRecords& records) {

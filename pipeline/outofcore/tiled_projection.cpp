@@ -3,6 +3,7 @@
 #include "pipeline/outofcore/tiled_projection.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -28,6 +29,26 @@ constexpr std::size_t kMostBuckets = 256;
 // Shares of the stage, for the time left.
 constexpr double kPlanned = 0.3, kBucketed = 0.45, kFitted = 0.85;
 
+// Of all ranks.
+PointTotals totals_of(const OrientedPieces& pieces) {
+  struct Part {
+    std::uint64_t count;
+    std::array<float, 3> min_m, max_m;
+  };
+  PointTotals own;
+  pieces([&](const OrientedPoints& points) { own.add(points); });
+  std::vector<Part> parts{
+      {own.count, {own.min_m.x(), own.min_m.y(), own.min_m.z()}, {own.max_m.x(), own.max_m.y(), own.max_m.z()}}};
+  pieces.join(parts);
+  PointTotals totals;
+  for (const Part& part : parts) {
+    totals.count += part.count;
+    totals.min_m = totals.min_m.min(Eigen::Array3f(part.min_m[0], part.min_m[1], part.min_m[2]));
+    totals.max_m = totals.max_m.max(Eigen::Array3f(part.max_m[0], part.max_m[1], part.max_m[2]));
+  }
+  return totals;
+}
+
 }  // namespace
 
 /// Some records of a bucket, oriented.
@@ -42,8 +63,10 @@ OrientedPoints TiledProjection::orient(const PointRecords& records, ThreadPool& 
 }
 
 TiledProjection::TiledProjection(CloudOnDisk cloud, const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& grid,
-                                 double resolution_m, const Context& context)
-    : cloud_(std::move(cloud)), scan_to_grid_(scan_to_grid) {
+                                 double resolution_m, const Ranks* ranks, const Context& context)
+    : cloud_(std::move(cloud)), ranks_(ranks), scan_to_grid_(scan_to_grid) {
+  JoinBytes join;
+  if (ranks != nullptr) join = [ranks](std::vector<std::byte>& bytes) { ranks->join(bytes); };
   // How often the points are gone through depends on them: each pass is worth half of what is left.
   double begun = 0.0;
   double share = kPlanned / 2;
@@ -56,14 +79,14 @@ TiledProjection::TiledProjection(CloudOnDisk cloud, const Eigen::Matrix4d& scan_
     begun += share;
     share /= 2;
   };
-  plan_.origin_m = robust_origin(
-      cloud_.size(), [&](const auto& use) { each([&](const PointRecords& records) { use(raw_points(records)); }); },
-      cloud_.origin_m, scan_to_grid, context.pool);
-  const OrientedPieces pieces = [&](const auto& use) {
+  RawPieces raw = [&](const auto& use) { each([&](const PointRecords& records) { use(raw_points(records)); }); };
+  raw.set_join(join);
+  plan_.origin_m = robust_origin(cloud_.all, raw, cloud_.origin_m, scan_to_grid, context.pool);
+  OrientedPieces pieces = [&](const auto& use) {
     each([&](const PointRecords& records) { use(orient(records, context.pool)); });
   };
-  PointTotals totals;
-  pieces([&](const OrientedPoints& points) { totals.add(points); });
+  pieces.set_join(join);
+  const PointTotals totals = totals_of(pieces);
   const Extent extent = supported_extent(totals, pieces, context.pool);
   plan_ = plan_projection(pieces, totals, extent, {cloud_.stations, scan_to_grid, plan_.origin_m}, false, grid,
                           resolution_m, context.pool);
@@ -72,11 +95,25 @@ TiledProjection::TiledProjection(CloudOnDisk cloud, const Eigen::Matrix4d& scan_
 void TiledProjection::fill_buckets(const std::filesystem::path& folder, const Context& context) {
   const BinLocator locator(plan_.bins);
   const auto rows = static_cast<std::size_t>(plan_.bins.bins_y());
+  if (ranks_ != nullptr) {
+    count_rows(context);
+    share_rows();
+  }
   row_points_.assign(rows, 0);
   points_.origin_m = cloud_.origin_m;
   points_.rows_per_bucket = static_cast<int>((rows + kMostBuckets - 1) / kMostBuckets);
   const auto per_bucket = static_cast<std::size_t>(points_.rows_per_bucket);
   points_.file = std::make_unique<PointFile>(folder, cloud_.file->layout(), (rows + per_bucket - 1) / per_bucket);
+  const auto put = [&](const float* record, std::size_t row) {
+    ++row_points_[row];
+    points_.file->add(row / per_bucket, record);
+  };
+  if (ranks_ != nullptr) {
+    exchange_points(put, context);
+    points_.file->finish();
+    cloud_.file.reset();
+    return;
+  }
   cloud_.file->drain(0, PointFile::kPiece, [&](const PointRecords& records) {
     const double done = static_cast<double>(records.first) / static_cast<double>(cloud_.size());
     context.progress.at(kPlanned + (kBucketed - kPlanned) * done);
@@ -88,8 +125,7 @@ void TiledProjection::fill_buckets(const std::filesystem::path& folder, const Co
         ++beyond_;
         continue;
       }
-      ++row_points_[static_cast<std::size_t>(row)];
-      points_.file->add(static_cast<std::size_t>(row) / per_bucket, records.xyz(k));
+      put(records.xyz(k), static_cast<std::size_t>(row));
     }
   });
   points_.file->finish();
@@ -184,9 +220,11 @@ std::vector<Tile> TiledProjection::cut_rows(std::uint64_t tile_points, int halo,
   });
 }
 
+/// Bins beyond a tile that decide its nodes: a neighbour's height decides too, and it may look as far.
+int TiledProjection::halo_of_tiles() const { return bins_beyond(plan_) + 1; }
+
 std::vector<Tile> TiledProjection::cut(std::uint64_t tile_points, const Context& context) {
-  // A neighbour's height decides too, and it may look as far.
-  const int halo = bins_beyond(plan_) + 1;
+  const int halo = halo_of_tiles();
   const std::uint64_t points = std::accumulate(row_points_.begin(), row_points_.end(), std::uint64_t{0});
   // So many to a bin on average: the bins are few beside the points, and many of them crowded.
   constexpr std::size_t kManyPerBin = 64;
@@ -385,13 +423,15 @@ Projection TiledProjection::run(std::uint64_t tile_points, const std::filesystem
                                 const Context& context) {
   fill_buckets(folder, context);
   Projection projection = plan_.empty_projection();
-  const std::vector<Tile> tiles = cut(tile_points, context);
+  const std::vector<Tile> tiles = own_tiles(cut(tile_points, context));
   std::vector<std::uint8_t> verdicts(plan_.discs ? plan_.lattice.count() : 0);
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     context.progress.at(kBucketed + (kFitted - kBucketed) * static_cast<double>(t) / static_cast<double>(tiles.size()));
     fit_tile(tiles[t], context, projection, verdicts);
   }
   tile_memory_.clear();
+  if (ranks_ != nullptr) bring_rows_together(projection, verdicts);
+  if (ranks_ != nullptr && !ranks_->is_root()) return projection;
   add_verdicts(verdicts, projection);
   leave_out_turned_away(plan_, verdicts, context.pool, projection);
   require_a_measured_node(projection.grid);

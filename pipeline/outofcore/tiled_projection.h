@@ -9,6 +9,7 @@
 
 #include "base/context.h"
 #include "base/thread_pool.h"
+#include "pipeline/cluster/ranks.h"
 #include "pipeline/outofcore/cloud_on_disk.h"
 #include "pipeline/outofcore/point_file.h"
 #include "pipeline/outofcore/tiles.h"
@@ -34,14 +35,16 @@ struct BucketedPoints {
 class TiledProjection {
  public:
   /// Goes through the cloud a few times for everything that is decided before a node is fitted. Throws as project().
+  /// `ranks`: each has a share of the cloud, and all make the same calls; null alone. They outlive this object.
   TiledProjection(CloudOnDisk cloud, const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& grid,
-                  double resolution_m, const Context& context);
+                  double resolution_m, const Ranks* ranks, const Context& context);
 
   [[nodiscard]] const ProjectionPlan& plan() const { return plan_; }
 
   /// Sorts the points into buckets on disk, gives the cloud back, and measures tile by tile with at most `tile_points`
   /// in memory. The projection's `point_class` stays empty. Once only. Throws Error{failure}, with the memory that
-  /// would do, when one node's points are more.
+  /// would do, when one node's points are more. Among ranks the root has the whole projection; what the others return
+  /// is of no use.
   [[nodiscard]] Projection run(std::uint64_t tile_points, const std::filesystem::path& folder, const Context& context);
 
   /// What a cross-check needs, after run().
@@ -49,7 +52,17 @@ class TiledProjection {
 
  private:
   struct Piece;
+  struct BinRows {
+    std::size_t first, last;  ///< [first, last)
+  };
   void fill_buckets(const std::filesystem::path& folder, const Context& context);
+  [[nodiscard]] int halo_of_tiles() const;
+  void count_rows(const Context& context);
+  void share_rows();
+  void exchange_points(const std::function<void(const float* record, std::size_t row)>& use, const Context& context);
+  [[nodiscard]] BinRows bin_rows_of(std::size_t rank) const;
+  [[nodiscard]] std::vector<Tile> own_tiles(std::vector<Tile> tiles) const;
+  void bring_rows_together(Projection& projection, std::vector<std::uint8_t>& of_nodes);
   void each_piece(int first_row, int last_row, ThreadPool& pool, const std::function<void(const Piece&)>& use) const;
   [[nodiscard]] std::vector<std::uint64_t> count_columns(int first_row, int last_row, ThreadPool& pool) const;
   void count_bins(ThreadPool& pool);
@@ -72,6 +85,8 @@ class TiledProjection {
   mutable MemoryStore memory_;  ///< of pieces
   mutable MemoryStore tile_memory_;
   CloudOnDisk cloud_;
+  const Ranks* ranks_;
+  std::vector<int> first_rows_;  ///< of nodes, of each rank and behind the last; empty alone
   Eigen::Matrix4d scan_to_grid_;
   ProjectionPlan plan_;
   std::uint64_t beyond_ = 0;               ///< points outside all bins

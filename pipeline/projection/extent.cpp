@@ -89,6 +89,7 @@ Occupancy count_points(std::uint64_t points, const OrientedPieces& pieces, const
       for (std::size_t c = 0; c < size; ++c) cells.count[c] += mine[c];
     }
   });
+  pieces.add_up(cells.count);
   return cells;
 }
 
@@ -260,6 +261,10 @@ std::array<Strip, 4> border_strips(const OrientedPieces& pieces, const Occupancy
       }
     }
   });
+  for (Strip& strip : strips) {
+    pieces.join(strip.points);
+    strip.prune();
+  }
   return strips;
 }
 

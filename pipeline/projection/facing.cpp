@@ -75,6 +75,7 @@ OrientedPoints draw_sample(const OrientedPieces& pieces, const SampleCells& cell
       drawn.insert(drawn.end(), mine.begin(), mine.end());
     });
   });
+  pieces.join(drawn);
   OrientedPoints sample;
   sample.count = drawn.size();
   sample.x = make_buffer<float>(sample.count);

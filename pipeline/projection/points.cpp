@@ -91,6 +91,7 @@ std::vector<float> origin_sample(std::uint64_t count, const RawPieces& pieces, T
         }
       });
     });
+    pieces.join(sample);
     // A cloud of few distinct points may leave a thin sample or none: take more of it.
     if (sample.size() / 3 >= std::min<std::uint64_t>(count, kSample / 8) || every <= 1) return sample;
     sample.clear();

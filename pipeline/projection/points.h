@@ -3,7 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -21,9 +24,48 @@ struct RawPoints {
   std::size_t count = 0;
 };
 
-/// Hands over all points in pieces, in any order, but the same points at every call: a cloud that lies on disk, or one
-/// piece for a cloud in memory.
-using RawPieces = std::function<void(const std::function<void(const RawPoints&)>& use)>;
+/// Replaces the bytes that this process has found in a pass by those of all processes, in their order.
+using JoinBytes = std::function<void(std::vector<std::byte>& bytes)>;
+
+/// Hands over points in pieces, in any order, but the same points at every call: a cloud that lies on disk, or one
+/// piece for a cloud in memory. Where several processes have a share of the points each, every one of them makes the
+/// same passes, and joins what it has found before it goes on.
+template <typename Points>
+class PointPieces : public std::function<void(const std::function<void(const Points&)>& use)> {
+ public:
+  using std::function<void(const std::function<void(const Points&)>& use)>::function;
+
+  /// `join` empty: this process has all points.
+  void set_join(JoinBytes join) { join_ = std::move(join); }
+  [[nodiscard]] bool joins() const { return join_ != nullptr; }
+
+  /// What all processes have found, in their order.
+  template <typename T>
+  void join(std::vector<T>& values) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (!join_) return;
+    std::vector<std::byte> bytes(values.size() * sizeof(T));
+    if (!bytes.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+    join_(bytes);
+    values.resize(bytes.size() / sizeof(T));
+    if (!bytes.empty()) std::memcpy(static_cast<void*>(values.data()), bytes.data(), bytes.size());
+  }
+
+  /// The sums of what all processes have counted, place by place.
+  template <typename T>
+  void add_up(std::vector<T>& counts) const {
+    if (!join_) return;
+    const std::size_t size = counts.size();
+    join(counts);
+    for (std::size_t k = size; k < counts.size(); ++k) counts[k % size] += counts[k];
+    counts.resize(size);
+  }
+
+ private:
+  JoinBytes join_;
+};
+
+using RawPieces = PointPieces<RawPoints>;
 
 /// The only place of the projection that sees PCL.
 [[nodiscard]] RawPoints raw_points(const Cloud& cloud);
@@ -39,7 +81,7 @@ struct OrientedPoints {
 };
 
 /// The same points as RawPieces, oriented.
-using OrientedPieces = std::function<void(const std::function<void(const OrientedPoints&)>& use)>;
+using OrientedPieces = PointPieces<OrientedPoints>;
 
 /// An origin in the grid frame that far outliers cannot move: medians of a sample of the `count` points, chosen by a
 /// hash of the coordinates. Depends neither on threads nor on the points' order.

@@ -275,6 +275,7 @@ std::vector<Sample> draw_samples(const OrientedPieces& pieces, const BlockKernel
     });
     for (const std::vector<Sample>& part : parts) samples.insert(samples.end(), part.begin(), part.end());
   });
+  pieces.join(samples);
   return samples;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <unordered_map>
+#include <vector>
 
 #include "base/hash.h"
 #include "base/key_table.h"
@@ -54,6 +55,20 @@ std::uint32_t count_around(const Cubes& cubes, const Cube& key, std::uint32_t en
   return sum;
 }
 
+/// The cubes of all processes, with their points together.
+Cubes joined(const OrientedPieces& pieces, const Cubes& own) {
+  std::vector<Counted> all;
+  for (std::uint32_t c = 0; c < own.size(); ++c) all.push_back(own[c]);
+  pieces.join(all);
+  Cubes cubes;
+  for (const Counted& found : all) {
+    Counted& cube = cubes[cubes.number(found.key)];
+    cube.count += found.count;
+    cube.inner = found.inner;
+  }
+  return cubes;
+}
+
 /// The cubes of some blocks of columns, as large as it takes for about kSampled points.
 Cubes sample_cubes(const OrientedPieces& pieces, const Extent& extent, double cube_m) {
   const double side_m = kBlockCubes * cube_m;
@@ -89,7 +104,7 @@ Cubes sample_cubes(const OrientedPieces& pieces, const Extent& extent, double cu
       }
     }
   });
-  return cubes;
+  return pieces.joins() ? joined(pieces, cubes) : cubes;
 }
 
 }  // namespace

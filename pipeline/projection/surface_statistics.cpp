@@ -80,6 +80,17 @@ class Blocks {
       blocks_[at].points.push_back(points[k].point);
     }
   }
+  /// Those of all processes.
+  void join(const OrientedPieces& pieces) {
+    if (!pieces.joins()) return;
+    std::vector<Drawn> all;
+    for (const Block& block : blocks_) {
+      for (const BlockPoint& point : block.points) all.push_back({block.number, point});
+    }
+    pieces.join(all);
+    *this = {};
+    add(all);
+  }
   [[nodiscard]] std::vector<Block> take() {
     std::sort(blocks_.begin(), blocks_.end(), [](const auto& a, const auto& b) { return a.number < b.number; });
     return std::move(blocks_);
@@ -122,6 +133,7 @@ std::vector<Block> draw_blocks(const OrientedPieces& pieces, const Extent& exten
     });
     for (const std::vector<Drawn>& part : parts) drawn.add(part);
   });
+  drawn.join(pieces);
   return drawn.take();
 }
 

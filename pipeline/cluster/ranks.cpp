@@ -1,0 +1,138 @@
+// Messages of any size in rounds whose counts are small, and the plug-in behind them.
+#include "pipeline/cluster/ranks.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+#include "base/error.h"
+#include "base/system/library.h"
+
+extern "C" sparsha::pipeline::Transport* sparsha_mpi_transport();
+
+namespace sparsha::pipeline {
+namespace {
+
+// Places of pieces that lie one behind the other.
+std::vector<int> places(const std::vector<int>& counts) {
+  std::vector<int> places(counts.size(), 0);
+  for (std::size_t k = 1; k < counts.size(); ++k) places[k] = places[k - 1] + counts[k - 1];
+  return places;
+}
+
+// The piece of a message that a round takes.
+int piece(std::uint64_t size, std::uint64_t round, std::size_t most) {
+  const std::uint64_t begin = std::min<std::uint64_t>(size, round * most);
+  return static_cast<int>(std::min<std::uint64_t>(most, size - begin));
+}
+
+bool is_cancelled(const void* progress) { return static_cast<const Progress*>(progress)->cancelled(); }
+
+}  // namespace
+
+bool started_by_mpi() {
+  const auto is_set = [](const char* name) { return std::getenv(name) != nullptr; };
+  // Set by OpenMPI, by MPICH, Intel's MPI and Slurm, and by every launcher with PMIx.
+  return is_set("OMPI_COMM_WORLD_SIZE") || is_set("PMI_SIZE") || is_set("PMIX_RANK");
+}
+
+#if defined(SPARSHA_MPI_LIBRARY)
+
+Transport& mpi_transport() {
+  static Transport* const kTransport = [] {
+    std::string problem;
+    void* const library = system::load_library(SPARSHA_MPI_LIBRARY, problem);
+    if (library == nullptr)
+      throw Error(ErrorKind::failure, {SPARSHA_MPI_LIBRARY}, "Sparsha's part for MPI cannot be loaded: " + problem,
+                  "this file in lib/sparsha beside the program's folder, and the MPI that it was built with");
+    const auto get =
+        reinterpret_cast<decltype(&sparsha_mpi_transport)>(system::symbol(library, "sparsha_mpi_transport"));
+    if (get == nullptr)
+      throw Error(ErrorKind::failure, {SPARSHA_MPI_LIBRARY}, "this file does not hold Sparsha's part for MPI",
+                  "the file that was installed with the program");
+    return get();
+  }();
+  return *kTransport;
+}
+
+#else
+
+Transport& mpi_transport() {
+  throw Error(ErrorKind::failure, {}, "this program was built without MPI, and was started by a launcher of MPI",
+              "`sparsha` without mpirun, or a program that was built where MPI is installed");
+}
+
+#endif
+
+Ranks::Ranks(Transport& transport, const Progress& progress, std::size_t round_bytes)
+    : transport_(transport), progress_(progress), most_(std::max<std::size_t>(1, round_bytes / size())) {}
+
+void Ranks::exchange(const Bytes& send, const std::vector<int>& counts, Bytes& receive,
+                     const std::vector<int>& from) const {
+  const std::vector<int> send_places = places(counts);
+  const std::vector<int> receive_places = places(from);
+  if (!transport_.exchange(send.data(), counts.data(), send_places.data(), receive.data(), from.data(),
+                           receive_places.data(), is_cancelled, &progress_)) {
+    throw Cancelled();
+  }
+  for (std::size_t r = 0; r < size(); ++r) sent_ += r == number() ? 0U : static_cast<std::uint64_t>(counts[r]);
+}
+
+std::vector<Ranks::Bytes> Ranks::all_to_all(const std::vector<Bytes>& to) const {
+  // Sizes first, and with them the most rounds that any rank needs.
+  constexpr int kWord = sizeof(std::uint64_t);
+  const std::vector<int> words(size(), 2 * kWord);
+  std::vector<std::uint64_t> mine(2 * size());
+  std::uint64_t rounds = 0;
+  for (const Bytes& bytes : to) rounds = std::max<std::uint64_t>(rounds, (bytes.size() + most_ - 1) / most_);
+  for (std::size_t r = 0; r < size(); ++r) {
+    mine[2 * r] = to[r].size();
+    mine[2 * r + 1] = rounds;
+  }
+  Bytes send(mine.size() * kWord);
+  Bytes receive(send.size());
+  std::memcpy(send.data(), mine.data(), send.size());
+  exchange(send, words, receive, words);
+  std::vector<std::uint64_t> theirs(mine.size());
+  std::memcpy(theirs.data(), receive.data(), receive.size());
+  for (std::size_t r = 0; r < size(); ++r) rounds = std::max(rounds, theirs[2 * r + 1]);
+
+  std::vector<Bytes> got(size());
+  for (std::size_t r = 0; r < size(); ++r) got[r].reserve(static_cast<std::size_t>(theirs[2 * r]));
+  std::vector<int> counts(size());
+  std::vector<int> from(size());
+  for (std::uint64_t round = 0; round < rounds; ++round) {
+    send.clear();
+    std::size_t expected = 0;
+    for (std::size_t r = 0; r < size(); ++r) {
+      counts[r] = piece(to[r].size(), round, most_);
+      from[r] = piece(theirs[2 * r], round, most_);
+      expected += static_cast<std::size_t>(from[r]);
+      const auto begin =
+          to[r].begin() + static_cast<std::ptrdiff_t>(std::min<std::uint64_t>(to[r].size(), round * most_));
+      send.insert(send.end(), begin, begin + counts[r]);
+    }
+    receive.resize(expected);
+    exchange(send, counts, receive, from);
+    auto at = receive.cbegin();
+    for (std::size_t r = 0; r < size(); ++r) {
+      got[r].insert(got[r].end(), at, at + from[r]);
+      at += from[r];
+    }
+  }
+  return got;
+}
+
+void Ranks::join(Bytes& bytes) const {
+  const std::vector<Bytes> got = all_to_all(std::vector<Bytes>(size(), bytes));
+  bytes.clear();
+  for (const Bytes& part : got) bytes.insert(bytes.end(), part.begin(), part.end());
+}
+
+std::vector<Ranks::Bytes> Ranks::gather(Bytes bytes) const {
+  std::vector<Bytes> to(size());
+  to.front() = std::move(bytes);
+  return all_to_all(to);
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,56 @@
+// A build that several processes share: how many there are, and what they tell each other.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "base/progress.h"
+#include "pipeline/cluster/transport.h"
+
+namespace sparsha::pipeline {
+
+/// Whether this process was started by mpirun, srun or another launcher of MPI.
+[[nodiscard]] bool started_by_mpi();
+
+/// Loads the plug-in and sets MPI up, which takes half a second; the same object at every call. Throws Error{failure}
+/// when the plug-in is not installed.
+[[nodiscard]] Transport& mpi_transport();
+
+/// The ranks of a build. Every call but those that say otherwise is made by all ranks at the same time.
+class Ranks {
+ public:
+  using Bytes = std::vector<std::byte>;
+  /// Bytes that a rank sends and receives in one round, together; the counts of MPI are int.
+  static constexpr std::size_t kRoundBytes = std::size_t{1} << 28U;
+
+  /// Both outlive the ranks. `round_bytes`: at least a byte a rank, and below 2^31.
+  Ranks(Transport& transport, const Progress& progress, std::size_t round_bytes = kRoundBytes);
+
+  [[nodiscard]] int rank() const { return transport_.rank(); }
+  [[nodiscard]] std::size_t number() const { return static_cast<std::size_t>(transport_.rank()); }
+  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(transport_.size()); }
+  /// Whether this rank writes the scene.
+  [[nodiscard]] bool is_root() const { return transport_.rank() == 0; }
+
+  /// What each rank has for this one, in their order; `to` has what this one has for each. Of any size: sent in rounds.
+  /// Throws Cancelled.
+  [[nodiscard]] std::vector<Bytes> all_to_all(const std::vector<Bytes>& to) const;
+  /// What all ranks have, in their order, to all of them. Throws Cancelled.
+  void join(Bytes& bytes) const;
+  /// What all ranks have, in their order, to the root; nothing to the others. Throws Cancelled.
+  [[nodiscard]] std::vector<Bytes> gather(Bytes bytes) const;
+
+  /// Bytes that were sent to other ranks so far; may be asked at any time.
+  [[nodiscard]] std::uint64_t sent() const { return sent_; }
+
+ private:
+  void exchange(const Bytes& send, const std::vector<int>& counts, Bytes& receive, const std::vector<int>& from) const;
+
+  Transport& transport_;
+  const Progress& progress_;
+  std::size_t most_;  ///< bytes in a round between two ranks
+  mutable std::uint64_t sent_ = 0;
+};
+
+}  // namespace sparsha::pipeline

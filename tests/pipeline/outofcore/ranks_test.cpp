@@ -1,0 +1,176 @@
+// Scenes that several ranks build, byte by byte against those of one process. Ranks are threads here; the plug-in for
+// MPI is tested with processes (tests/tools/mpi_test.py).
+#include "pipeline/cluster/ranks.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <exception>
+#include <filesystem>
+#include <functional>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/error.h"
+#include "pipeline/build/build.h"
+#include "pipeline/build/on_ranks.h"
+#include "pipeline/simulate/simulate.h"
+#include "scene/config/config.h"
+#include "tests/pipeline/outofcore/thread_transport.h"
+#include "tests/pipeline/outofcore/two_builds.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+/// Does `work` on so many ranks at once. The first that fails cancels the others, and its error is thrown.
+void on_ranks(std::size_t size, std::size_t round_bytes, const std::function<void(const Ranks&, Progress&)>& work) {
+  test::MeetingPlace place(static_cast<int>(size));
+  std::vector<std::unique_ptr<Progress>> progress;
+  for (std::size_t r = 0; r < size; ++r) progress.push_back(std::make_unique<Progress>());
+  std::vector<std::exception_ptr> errors(size);
+  std::vector<std::thread> threads;
+  for (std::size_t r = 0; r < size; ++r) {
+    threads.emplace_back([&, r] {
+      test::ThreadTransport transport(place, r);
+      try {
+        work(Ranks(transport, *progress[r], round_bytes), *progress[r]);
+      } catch (const Cancelled&) {
+      } catch (...) {
+        errors[r] = std::current_exception();
+        for (const auto& other : progress) other->cancel();
+      }
+      EXPECT_LE(static_cast<std::size_t>(transport.largest()), std::max<std::size_t>(round_bytes / size, 16));
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const std::exception_ptr& error : errors) {
+    if (error) std::rethrow_exception(error);
+  }
+}
+
+TEST(Ranks, MessagesOfAnySizeArriveWholeInSmallRounds) {
+  constexpr std::size_t kSize = 3;
+  const auto message = [](std::size_t from, std::size_t to) {
+    Ranks::Bytes bytes(from == 1 && to == 2 ? 0 : 1000 * from + 37 * to);
+    for (std::size_t k = 0; k < bytes.size(); ++k) bytes[k] = static_cast<std::byte>(k * 7 + from * 31 + to);
+    return bytes;
+  };
+  on_ranks(kSize, 100, [&](const Ranks& ranks, Progress&) {
+    std::vector<Ranks::Bytes> to;
+    for (std::size_t r = 0; r < kSize; ++r) to.push_back(message(ranks.number(), r));
+    const std::vector<Ranks::Bytes> got = ranks.all_to_all(to);
+    for (std::size_t r = 0; r < kSize; ++r) EXPECT_EQ(got[r], message(r, ranks.number()));
+
+    Ranks::Bytes joined = message(ranks.number(), 0);
+    ranks.join(joined);
+    Ranks::Bytes expected;
+    for (std::size_t r = 0; r < kSize; ++r) {
+      const Ranks::Bytes part = message(r, 0);
+      expected.insert(expected.end(), part.begin(), part.end());
+    }
+    EXPECT_EQ(joined, expected);
+    const std::vector<Ranks::Bytes> gathered = ranks.gather(message(ranks.number(), 1));
+    for (std::size_t r = 0; r < kSize; ++r) EXPECT_EQ(gathered[r], ranks.is_root() ? message(r, 1) : Ranks::Bytes());
+  });
+}
+
+class SharedBuild : public TwoBuilds {
+ protected:
+  static SimulationConfig relief(int nodes, int files) {
+    SimulationConfig config;
+    config.nodes = nodes;
+    config.seed = 11;
+    config.surface.form = AccuracyForm{};
+    config.outlier_fraction = 0.005;
+    config.scan = SamplerConfig{2.5, 1.0, files};
+    config.write_truth = false;
+    return config;
+  }
+  void build_on(std::size_t size, const scene::Config& config, const std::string& name, std::uint64_t points = 0) {
+    on_ranks(size, std::size_t{1} << 16U, [&](const Ranks& ranks, Progress& progress) {
+      BuildOptions options;
+      options.threads = 1;
+      options.ranks = &ranks;
+      options.memory_points = points;
+      if (ranks.is_root()) {
+        build_scene_folder(config, options, folder_ / name, progress);
+      } else {
+        take_part_in_build(config, options, folder_ / name, progress);
+      }
+    });
+  }
+};
+
+const std::vector<std::string> kLayers = {"texture={}", "friction={}", "fill={max_gap_mm: 8}", "check={samples: 5000}"};
+
+TEST_F(SharedBuild, NeitherTheNumberOfRanksNorTheOrderOfFilesChangesAByte) {
+  scene::Config config = simulated(relief(150, 3), kLayers);
+  build(config, "alone", 0);
+  for (const std::size_t size : {1U, 2U, 3U, 8U}) {
+    build_on(size, config, "shared");
+    expect_same(folder_ / "alone", folder_ / "shared");
+  }
+  std::swap(config.scans.front(), config.scans.back());
+  build(config, "alone", 0);
+  build_on(3, config, "shared");
+  expect_same(folder_ / "alone", folder_ / "shared");
+}
+
+TEST_F(SharedBuild, ALimitOfPointsARankChangesNoByte) {
+  const scene::Config config = simulated(relief(150, 1), kLayers);
+  build(config, "alone", 0);
+  build_on(2, config, "shared", 20'000);
+  expect_same(folder_ / "alone", folder_ / "shared");
+}
+
+TEST_F(SharedBuild, ClosedObjectsAndCroppedScansAreTheSameToo) {
+  SimulationConfig object = relief(150, 2);
+  object.surface.back = {BackConfig::Kind::rough, 0.1, 0.003, 0.3};
+  const scene::Config config =
+      simulated(object, {"filters=[{crop: {min_m: [-10, -10, -10], max_m: [0.15, 10, 10]}}]", "check={samples: 3000}"});
+  build(config, "alone", 0);
+  build_on(3, config, "shared");
+  expect_same(folder_ / "alone", folder_ / "shared");
+}
+
+TEST_F(SharedBuild, WhatOneProcessBuildsOnlyIsNamedBeforeAnythingIsRead) {
+  const auto wrong = [&](const char* setting) {
+    const scene::Config config = simulated(relief(20, 1), {setting});
+    try {
+      require_fit_for_ranks(config);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::usage);
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(wrong("around={}").find("around: a whole object is built by one process only"), std::string::npos);
+  EXPECT_NE(wrong("filters=[{outliers: {neighbours: 8, sigma: 4}}]").find("the filter 'outliers'"), std::string::npos);
+  EXPECT_EQ(wrong("filters=[{crop: {min_m: [0, 0, 0], max_m: [1, 1, 1]}}]"), "");
+}
+
+TEST_F(SharedBuild, AFileThatOneRankCannotReadEndsAllOfThemWithoutAScene) {
+  const scene::Config config = simulated(relief(60, 1));
+  scene::Config other = config;
+  other.scans.front().file = folder_ / "nowhere.ply";
+  EXPECT_THROW(on_ranks(3, 1U << 16U,
+                        [&](const Ranks& ranks, Progress& progress) {
+                          BuildOptions options;
+                          options.threads = 1;
+                          options.ranks = &ranks;
+                          if (ranks.is_root()) build_scene_folder(config, options, folder_ / "shared", progress);
+                          if (!ranks.is_root())
+                            take_part_in_build(ranks.number() == 1 ? other : config, options, folder_ / "shared",
+                                               progress);
+                        }),
+               Error);
+  const auto left =
+      std::distance(std::filesystem::directory_iterator(folder_.path()), std::filesystem::directory_iterator());
+  EXPECT_EQ(left, 1);  // the scans' folder
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline

@@ -1,0 +1,102 @@
+"""Scenes that mpirun builds are those of one process, byte by byte, and faults end all ranks with one message.
+
+77 when mpirun or Sparsha's plug-in is not there."""
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+PROGRAM = sys.argv[1]
+PLUGIN = pathlib.Path(sys.argv[2])
+CONFIG = pathlib.Path(__file__).resolve().parents[2] / "configs" / "relief.yaml"
+SETTINGS = ["--set", "filters=[]", "--set", "grid.spacing_mm=2"]
+LONGEST_S = 10.0  # from a fault to the end of all ranks
+
+
+def environment():
+    return {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+            "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_btl_vader_single_copy_mechanism": "none"}
+
+
+def build(ranks, out, *more, settings=SETTINGS):
+    launcher = ["mpirun", "-n", str(ranks)] if ranks else []
+    return subprocess.run([*launcher, PROGRAM, "build", str(CONFIG), *settings, "--threads", "1", "--quiet", "--out", str(out),
+                           *more], capture_output=True, text=True, timeout=100, env=environment())
+
+
+def content(scene):
+    files = {str(p.relative_to(scene)): p.read_bytes() for p in scene.rglob("*") if p.is_file()}
+    report = json.loads(files.pop("report.json"))
+    files.pop("report.html", None)
+    for key in ("stages", "total_seconds", "peak_rss_bytes"):
+        report.pop(key)
+    return files, report
+
+
+def same_bytes(folder):
+    assert build(0, folder / "alone").returncode == 0
+    expected = content(folder / "alone")
+    for ranks in (1, 2, 3, 8):
+        run = build(ranks, folder / "shared")
+        assert run.returncode == 0, (ranks, run.stderr)
+        assert content(folder / "shared") == expected, f"{ranks} ranks build another scene"
+        assert run.stdout.count("\n") < 100, "each rank printed a summary"
+    shutil.rmtree(folder / "shared")
+
+
+def refusal_is_said_once(folder):
+    run = build(3, folder / "shared", settings=["--set", "around={}"])
+    assert run.returncode == 2, run
+    assert run.stderr.count("error:") == 1 and "rank 0 of 3" in run.stderr and "around" in run.stderr, run.stderr
+    assert not (folder / "shared").exists()
+
+
+def runs(pid):
+    """Whether there is such a process that has not ended; one that nobody has waited for has."""
+    try:
+        return pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def killed_rank_ends_all(folder):
+    mpirun = subprocess.Popen(["mpirun", "-n", "2", PROGRAM, "build", str(CONFIG), "--set", "filters=[]", "--set",
+                               "grid.spacing_mm=0.2", "--threads", "1", "--quiet", "--out", str(folder / "shared")],
+                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment())
+    ranks = []
+    deadline = time.monotonic() + 30
+    while len(ranks) < 2 and time.monotonic() < deadline and mpirun.poll() is None:
+        found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(mpirun.pid)], capture_output=True, text=True).stdout
+        ranks = [int(word) for word in found.split()]
+    assert len(ranks) == 2, "the ranks did not start"
+    os.kill(ranks[1], signal.SIGKILL)
+    began = time.monotonic()
+    try:
+        err = mpirun.communicate(timeout=LONGEST_S)[1]
+    finally:
+        mpirun.kill()
+    while any(runs(pid) for pid in ranks) and time.monotonic() - began < LONGEST_S:
+        time.sleep(0.05)
+    assert time.monotonic() - began < LONGEST_S, f"running after {LONGEST_S} s: {[pid for pid in ranks if runs(pid)]}"
+    assert mpirun.returncode != 0 and "rank 1" in err, err
+    assert not [p for p in folder.iterdir() if p.name != "alone"], "half a scene is left"
+
+
+def main():
+    if shutil.which("mpirun") is None or not PLUGIN.is_file():
+        print("skipped: mpirun or the plug-in for MPI is not installed")
+        return 77
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        same_bytes(folder)
+        refusal_is_said_once(folder)
+        killed_rank_ends_all(folder)
+    return 0
+
+
+sys.exit(main())
