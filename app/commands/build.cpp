@@ -103,11 +103,17 @@ int run_build(const Arguments& arguments, const CommonOptions& common, pipeline:
   if (!is_root) {
     blaming_scans(arguments.inputs, arguments.settings,
                   [&] { pipeline::take_part_in_build(config, options, folder, terminal.progress()); });
+    (void)ranks->traffic();
     return 0;
   }
   const pipeline::BuildResult result = blaming_scans(arguments.inputs, arguments.settings, [&] {
     return pipeline::build_scene_folder(config, options, folder, terminal.progress());
   });
+  if (ranks) {
+    const pipeline::Ranks::Traffic traffic = ranks->traffic();
+    terminal.message(fmt::format("{} ranks have sent {} MB to each other, in {:.1f} s with waiting", ranks->size(),
+                                 traffic.bytes / 1'000'000U, traffic.seconds));
+  }
   print(common.json    ? pipeline::report_json(*result.scene, result.report)
         : common.plain ? build_sentences(*result.scene, result.report, folder)
                        : build_summary(*result.scene, result.report, folder));

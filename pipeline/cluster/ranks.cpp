@@ -2,6 +2,7 @@
 #include "pipeline/cluster/ranks.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 
@@ -71,11 +72,13 @@ void Ranks::exchange(const Bytes& send, const std::vector<int>& counts, Bytes& r
                      const std::vector<int>& from) const {
   const std::vector<int> send_places = places(counts);
   const std::vector<int> receive_places = places(from);
+  const auto began = std::chrono::steady_clock::now();
   if (!transport_.exchange(send.data(), counts.data(), send_places.data(), receive.data(), from.data(),
                            receive_places.data(), is_cancelled, &progress_)) {
     throw Cancelled();
   }
-  for (std::size_t r = 0; r < size(); ++r) sent_ += r == number() ? 0U : static_cast<std::uint64_t>(counts[r]);
+  for (std::size_t r = 0; r < size(); ++r) own_.bytes += r == number() ? 0U : static_cast<std::uint64_t>(counts[r]);
+  own_.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
 }
 
 std::vector<Ranks::Bytes> Ranks::all_to_all(const std::vector<Bytes>& to) const {
@@ -133,6 +136,20 @@ std::vector<Ranks::Bytes> Ranks::gather(Bytes bytes) const {
   std::vector<Bytes> to(size());
   to.front() = std::move(bytes);
   return all_to_all(to);
+}
+
+Ranks::Traffic Ranks::traffic() const {
+  Bytes bytes(sizeof(Traffic));
+  std::memcpy(bytes.data(), &own_, sizeof(Traffic));
+  join(bytes);
+  Traffic all;
+  for (std::size_t at = 0; at < bytes.size(); at += sizeof(Traffic)) {
+    Traffic one;
+    std::memcpy(&one, bytes.data() + at, sizeof(Traffic));
+    all.bytes += one.bytes;
+    all.seconds = std::max(all.seconds, one.seconds);
+  }
+  return all;
 }
 
 }  // namespace sparsha::pipeline

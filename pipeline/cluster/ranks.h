@@ -41,8 +41,13 @@ class Ranks {
   /// What all ranks have, in their order, to the root; nothing to the others. Throws Cancelled.
   [[nodiscard]] std::vector<Bytes> gather(Bytes bytes) const;
 
-  /// Bytes that were sent to other ranks so far; may be asked at any time.
-  [[nodiscard]] std::uint64_t sent() const { return sent_; }
+  /// Bytes that all ranks have sent to others so far, and the longest that one of them has spent on it, waiting for the
+  /// others included; seconds. Throws Cancelled.
+  struct Traffic {
+    std::uint64_t bytes = 0;
+    double seconds = 0.0;
+  };
+  [[nodiscard]] Traffic traffic() const;
 
  private:
   void exchange(const Bytes& send, const std::vector<int>& counts, Bytes& receive, const std::vector<int>& from) const;
@@ -50,7 +55,7 @@ class Ranks {
   Transport& transport_;
   const Progress& progress_;
   std::size_t most_;  ///< bytes in a round between two ranks
-  mutable std::uint64_t sent_ = 0;
+  mutable Traffic own_;
 };
 
 }  // namespace sparsha::pipeline
