@@ -9,51 +9,15 @@
 #include <limits>
 #include <vector>
 
+#include "tests/haptics/servo/timed_hand.h"
 #include "tests/support/servo_parts.h"
 #include "tests/support/soft_stone.h"
 
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kPeriod_s = 0.001;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-
-Eigen::Vector3d vector_of(const std::array<double, 3>& v) { return {v[0], v[1], v[2]}; }
-
-/// A renderer with a clock.
-class Hand {
- public:
-  explicit Hand(HapticWindow window, RendererOptions options = {})
-      : renderer(DeviceInfo{}, options, std::move(window)) {}
-  const State& go(const Eigen::Vector3d& device_m) {
-    renderer.update(sample_at(device_m, kPeriod_s * static_cast<double>(tick_++)), kPeriod_s);
-    return renderer.state();
-  }
-  const State& go(DeviceSample sample) {
-    sample.time_s = kPeriod_s * static_cast<double>(tick_++);
-    renderer.update(sample, kPeriod_s);
-    return renderer.state();
-  }
-  /// 60 ms in the air arm the governor.
-  void arm() {
-    for (int i = 0; i < 60; ++i) go({0.0, 0.0, 0.02});
-  }
-  /// Slowly to a place, so that the slew limit does not show.
-  const State& press(const Eigen::Vector3d& device_m, int ticks = 200) {
-    const Eigen::Vector3d from = vector_of(renderer.state().device_m);
-    for (int i = 1; i <= ticks; ++i) go(Eigen::Vector3d(from + (device_m - from) * (static_cast<double>(i) / ticks)));
-    for (int i = 0; i < 20; ++i) go(device_m);
-    return renderer.state();
-  }
-
-  HapticRenderer renderer;
-
- private:
-  std::uint64_t tick_ = 0;
-};
-
 TEST(HapticRenderer, PutsTheDevicesOriginOnTheSurfaceAtTheWindowsCentre) {
-  Hand hand(window_on(sparsha::test::flat_scene(0.25)));
+  TimedHand hand(window_on(sparsha::test::flat_scene(0.25)));
   const State& state = hand.go({0.0, 0.0, 0.01});
   EXPECT_NEAR(state.centre_m[2], 0.25, 0.25 * 1e-7);  // heights are stored as floats
   EXPECT_NEAR(state.centre_m[0], 0.05, kEpsilon);
@@ -64,7 +28,7 @@ TEST(HapticRenderer, PutsTheDevicesOriginOnTheSurfaceAtTheWindowsCentre) {
 
 TEST(HapticRenderer, PushesWithStiffnessTimesDepthInTheDeviceFrameAtAnyScale) {
   for (const double width_m : {1e-3, 0.1, 10.0, 1000.0}) {
-    Hand hand(window_on(sparsha::test::flat_scene(0.0, 101, width_m)));
+    TimedHand hand(window_on(sparsha::test::flat_scene(0.0, 101, width_m)));
     hand.arm();
     const State& state = hand.press({0.001, 0.002, -0.002});
     EXPECT_NEAR(state.force_n[2], 800.0 * 0.002, 1e-9) << width_m;
@@ -76,7 +40,7 @@ TEST(HapticRenderer, PushesWithStiffnessTimesDepthInTheDeviceFrameAtAnyScale) {
 }
 
 TEST(HapticRenderer, GivesNoForceBeforeTheHandHasBeenInFreeSpaceForFiftyMilliseconds) {
-  Hand hand(window_on(sparsha::test::flat_scene()));
+  TimedHand hand(window_on(sparsha::test::flat_scene()));
   for (int i = 0; i < 500; ++i) {
     const State& state = hand.go({0.0, 0.0, -0.003});  // starts inside the stone
     ASSERT_EQ(vector_of(state.commanded_force_n).norm(), 0.0);
@@ -103,7 +67,7 @@ TEST(HapticRenderer, StoneGivesNothingAfterNewsThatStayedAwayThoughTheRawForceIs
 }
 
 TEST(HapticRenderer, TellsWhichShareOfTheForceTheHandIsGivenAndNoStrikeWithoutForce) {
-  Hand hand(window_on(sparsha::test::flat_scene()));
+  TimedHand hand(window_on(sparsha::test::flat_scene()));
   hand.arm();
   EXPECT_EQ(hand.renderer.state().given_share, 1.0) << "nothing is held back in the air";
   const State& resting = hand.press({0.0, 0.0, -0.002});
@@ -131,7 +95,7 @@ TEST(HapticRenderer, AnswersNotANumberWithZeroForceAtOnceAndArmsAnew) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (const double bad : {kNan, kInfinity, -kInfinity}) {
-    Hand hand(window_on(sparsha::test::flat_scene()));
+    TimedHand hand(window_on(sparsha::test::flat_scene()));
     hand.arm();
     const State before = hand.press({0.0, 0.0, -0.002});
     ASSERT_GT(before.commanded_force_n[2], 1.0);
@@ -150,7 +114,7 @@ TEST(HapticRenderer, AnswersNotANumberWithZeroForceAtOnceAndArmsAnew) {
 }
 
 TEST(HapticRenderer, HoldsTheForceOverSamplesWithoutNewsForSevenMillisecondsAndGoesOnWithTheNext) {
-  Hand hand(window_on(sparsha::test::flat_scene()));
+  TimedHand hand(window_on(sparsha::test::flat_scene()));
   hand.arm();
   hand.press({0.0, 0.0, -0.002});
   DeviceSample stale = sample_at({0.0, 0.0, -0.002}, 0.0);
@@ -169,7 +133,7 @@ TEST(HapticRenderer, HoldsTheForceOverSamplesWithoutNewsForSevenMillisecondsAndG
 }
 
 TEST(HapticRenderer, GivesNoForceWhenUnpluggedOrNotHomed) {
-  Hand hand(window_on(sparsha::test::flat_scene()));
+  TimedHand hand(window_on(sparsha::test::flat_scene()));
   hand.arm();
   hand.press({0.0, 0.0, -0.002});
   DeviceSample gone = sample_at({0.0, 0.0, -0.002}, 0.0);
@@ -186,7 +150,7 @@ TEST(HapticRenderer, GivesNoForceWhenUnpluggedOrNotHomed) {
 }
 
 TEST(HapticRenderer, ForceEndsWithContactAndNeverPulls) {
-  Hand hand(window_on(sparsha::test::scene_of(sparsha::test::hills_m, 101, 0.1)));
+  TimedHand hand(window_on(sparsha::test::scene_of(sparsha::test::hills_m, 101, 0.1)));
   hand.arm();
   for (int i = 0; i < 4000; ++i) {
     const double t = i * 0.001;
@@ -202,7 +166,7 @@ TEST(HapticRenderer, ForceEndsWithContactAndNeverPulls) {
 
 TEST(HapticRenderer, ASwapInContactKeepsTheHandTheProxyAndTheForceWhereTheyWere) {
   const auto scene = sparsha::test::scene_of(sparsha::test::hills_m, 401, 0.1, 101);  // levels 0, 1, 2
-  Hand hand(window_on(scene, 2));
+  TimedHand hand(window_on(scene, 2));
   hand.arm();
   const State before = hand.press({0.012, -0.017, -0.003});
   ASSERT_EQ(before.contact, 1U);
@@ -242,7 +206,7 @@ TEST(HapticRenderer, ASwapInContactKeepsTheHandTheProxyAndTheForceWhereTheyWere)
 
 TEST(HapticRenderer, ASwapInTheAirKeepsTheClearance) {
   const auto scene = sparsha::test::scene_of(sparsha::test::hills_m, 201, 0.1, 101);
-  Hand hand(window_on(scene, 1));
+  TimedHand hand(window_on(scene, 1));
   const Eigen::Vector3d place(0.02, 0.01, 0.006);
   const State before = hand.go(place);
   ASSERT_EQ(before.contact, 0U);
@@ -261,7 +225,7 @@ TEST(HapticRenderer, ASwapInTheAirKeepsTheClearance) {
 
 TEST(HapticRenderer, AMoveInContactPutsTheNewPlaceUnderTheHandWithoutAStepInForce) {
   const auto scene = sparsha::test::scene_of(sparsha::test::hills_m, 401, 0.1, 101);
-  Hand hand(window_on(scene, 2));
+  TimedHand hand(window_on(scene, 2));
   hand.arm();
   const State before = hand.press({0.01, 0.01, -0.002});
   Command command;
@@ -279,7 +243,7 @@ TEST(HapticRenderer, AMoveInContactPutsTheNewPlaceUnderTheHandWithoutAStepInForc
 }
 
 TEST(HapticRenderer, ScrollsTheWindowSmoothlyUnderTheHand) {
-  Hand hand(window_on(sparsha::test::flat_scene()));
+  TimedHand hand(window_on(sparsha::test::flat_scene()));
   hand.go({0.045, 0.0, 0.01});
   Command command;
   command.kind = Command::Kind::scroll;
@@ -291,7 +255,7 @@ TEST(HapticRenderer, ScrollsTheWindowSmoothlyUnderTheHand) {
 }
 
 TEST(HapticRenderer, NeverScrollsDownOnAHandInContact) {
-  Hand hand(window_on(sparsha::test::flat_scene()));
+  TimedHand hand(window_on(sparsha::test::flat_scene()));
   hand.arm();
   const State before = hand.press({0.0, 0.0, -0.001});
   Command command;
@@ -306,7 +270,7 @@ TEST(HapticRenderer, NeverScrollsDownOnAHandInContact) {
 TEST(HapticRenderer, FlagsBorderOutsideUnknownAndFilled) {
   const auto scene =
       sparsha::test::scene_of([](double x, double y) { return x < 0.03 && y < 0.03 ? std::nan("") : 0.0; }, 101, 0.1);
-  Hand hand(window_on(scene));
+  TimedHand hand(window_on(scene));
   hand.go({0.0, 0.0, 0.01});
   EXPECT_EQ(hand.renderer.state().flags & (kFlagWindowBorder | kFlagOutside | kFlagUnknownArea | kFlagFilledArea), 0U);
   hand.go({-0.04, -0.04, 0.01});
@@ -323,7 +287,7 @@ TEST(HapticRenderer, FlagsBorderOutsideUnknownAndFilled) {
 TEST(HapticRenderer, RecordsTheCellThatIsTouchedHoweverFarTheSceneIsFromTheOrigin) {
   for (const double x0 : {0.0, -3.0, 1e7}) {
     const Eigen::Vector3d origin_m(x0, -2.0 * x0, x0);
-    Hand hand(window_on(sparsha::test::scene_of([x0](double, double) { return x0; }, 101, 0.1, 200, origin_m)));
+    TimedHand hand(window_on(sparsha::test::scene_of([x0](double, double) { return x0; }, 101, 0.1, 200, origin_m)));
     hand.arm();
     hand.press({0.0125, -0.0215, -0.002});  // of a workspace of 0.1 m, its origin at the window's middle
     const Record& record = hand.renderer.record();
@@ -334,7 +298,7 @@ TEST(HapticRenderer, RecordsTheCellThatIsTouchedHoweverFarTheSceneIsFromTheOrigi
 }
 
 TEST(HapticRenderer, CountsEveryClickHoweverShort) {
-  Hand hand(window_on(sparsha::test::flat_scene()));
+  TimedHand hand(window_on(sparsha::test::flat_scene()));
   const auto hold = [&](std::uint64_t buttons, int ticks) {
     DeviceSample sample = sample_at({0.0, 0.0, 0.02}, 0.0);
     sample.buttons = buttons;
@@ -356,8 +320,8 @@ TEST(HapticRenderer, CountsEveryClickHoweverShort) {
 
 TEST(HapticRenderer, IdenticalSamplesGiveIdenticalBits) {
   const auto scene = sparsha::test::scene_of(sparsha::test::hills_m, 201, 0.1);
-  Hand first(window_on(scene));
-  Hand second(window_on(scene));
+  TimedHand first(window_on(scene));
+  TimedHand second(window_on(scene));
   for (int i = 0; i < 3000; ++i) {
     const double t = i * 0.001;
     const Eigen::Vector3d place(0.03 * std::sin(2.1 * t), 0.03 * std::cos(1.7 * t), 0.004 * std::cos(5.0 * t));
@@ -378,7 +342,7 @@ TEST(HapticRenderer, ShowsTheFingertipWhereItTouchesTheStone) {
     };
     WindowPlan plan = plan_window(sparsha::test::scene_of(round, 401, 0.1, 401)->description(), 0, {0.05, 0.05}, 0.1);
     plan.tip_radius_m = 0.002;
-    Hand hand(load_window(*sparsha::test::scene_of(round, 401, 0.1, 401), plan, 1));
+    TimedHand hand(load_window(*sparsha::test::scene_of(round, 401, 0.1, 401), plan, 1));
     hand.arm();
     const State& state = hand.press({0.008, -0.003, up * 0.02 * 0.9 - up * 0.02 - 0.003});
     ASSERT_EQ(state.contact, 1U);
@@ -392,111 +356,6 @@ TEST(HapticRenderer, ShowsTheFingertipWhereItTouchesTheStone) {
     for (int axis = 0; axis < 3; ++axis)
       EXPECT_EQ(state.place_m[static_cast<std::size_t>(axis)], touched[static_cast<std::size_t>(axis)]);
   }
-}
-
-TEST(HapticRenderer, NoNewsOfTheHandForTenMillisecondsNeedsFreeSpaceBeforeForce) {
-  for (const int lost : {5, 9, 12, 100}) {
-    Hand hand(window_on(sparsha::test::flat_scene()));
-    hand.arm();
-    ASSERT_GT(hand.press({0.0, 0.0, -0.002}).commanded_force_n[2], 1.0);
-    DeviceSample stale = sample_at({0.0, 0.0, -0.002}, 0.0);
-    stale.fresh = false;
-    for (int i = 1; i <= lost; ++i) {
-      const double force_n = vector_of(hand.go(stale).commanded_force_n).norm();
-      ASSERT_TRUE(i < 7 ? force_n > 1.0 : force_n == 0.0) << i;
-    }
-    for (int i = 0; i < 100; ++i) hand.go({0.0, 0.0, -0.002});
-    const double after = hand.renderer.state().commanded_force_n[2];
-    if (lost < 10)
-      EXPECT_GT(after, 1.0) << lost;
-    else
-      EXPECT_EQ(after, 0.0) << lost;
-    hand.arm();
-    EXPECT_GT(hand.press({0.0, 0.0, -0.002}).commanded_force_n[2], 1.0);
-  }
-}
-
-TEST(HapticRenderer, AGapInTheHandsTimeIsAFaultAndMovesNoWindow) {
-  Hand hand(window_on(sparsha::test::flat_scene(0.0, 101, 1.0)));
-  Command scroll;
-  scroll.scroll_m_per_s = {0.01, 0.0, 0.0};
-  static_cast<void>(hand.renderer.apply(scroll));
-  hand.arm();
-  hand.press({0.0, 0.0, -0.002});
-  const State before = hand.renderer.state();
-  DeviceSample late = sample_at({0.0, 0.0, -0.002}, before.time_s + 1.0);
-  hand.renderer.update(late, kPeriod_s);
-  const State& state = hand.renderer.state();
-  EXPECT_EQ(vector_of(state.commanded_force_n).norm(), 0.0);
-  EXPECT_TRUE((state.flags & kFlagFault) != 0);
-  EXPECT_NEAR(state.centre_m[0] - before.centre_m[0], 0.01 * kPeriod_s, 1e-12) << "one nominal tick's way";
-  for (int i = 1; i < 100; ++i) {
-    hand.renderer.update(sample_at({0.0, 0.0, -0.002}, late.time_s + i * kPeriod_s), kPeriod_s);
-    ASSERT_EQ(vector_of(hand.renderer.state().commanded_force_n).norm(), 0.0) << "still in the stone";
-  }
-}
-
-TEST(HapticRenderer, TimesThatGoBackwardsOrAreNoNumbersLastOneNominalTick) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  Hand hand(window_on(sparsha::test::flat_scene()));
-  hand.arm();
-  for (const double time_s : {kNan, -1.0, -1e300, -std::numeric_limits<double>::infinity(), kNan}) {
-    hand.renderer.update(sample_at({0.0, 0.0, -0.002}, time_s), kPeriod_s);
-    EXPECT_EQ(hand.renderer.record().period_s, kPeriod_s) << time_s;
-    EXPECT_TRUE(vector_of(hand.renderer.state().commanded_force_n).allFinite());
-    EXPECT_LE(hand.renderer.state().commanded_force_n[2], 8.0);
-  }
-}
-
-TEST(HapticRenderer, AHandThatIsFartherThanAnyHandIsAFaultAndNoFreeSpace) {
-  for (const double far : {11.0, -11.0, 1e12, -1e30, 1e308}) {
-    Hand hand(window_on(sparsha::test::flat_scene()));
-    for (int i = 0; i < 100; ++i) {
-      const State& state = hand.go({0.0, 0.0, far});
-      ASSERT_TRUE((state.flags & kFlagFault) != 0) << far;
-      ASSERT_TRUE((state.flags & kFlagArmed) == 0);
-    }
-    for (int i = 0; i < 20; ++i) ASSERT_EQ(hand.go({0.0, 0.0, -0.002}).commanded_force_n[2], 0.0);
-  }
-}
-
-TEST(HapticRenderer, CommandsThatAreNoNumbersOrBeyondTheDeviceDoNotReachTheHand) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  Hand hand(window_on(sparsha::test::flat_scene()));
-  hand.arm();
-  for (const double wish : {1e9, std::numeric_limits<double>::infinity(), kNan, -5.0}) {
-    Command command;
-    command.kind = Command::Kind::stiffness;
-    command.stiffness_n_per_m = wish;
-    static_cast<void>(hand.renderer.apply(command));
-    const State& state = hand.go({0.0, 0.0, -0.001});
-    EXPECT_GE(hand.renderer.state().stiffness_n_per_m, 0.0);
-    EXPECT_LE(hand.renderer.state().stiffness_n_per_m, stiffness_limit(DeviceLimits{}, kPeriod_s));
-    EXPECT_TRUE(vector_of(state.force_n).allFinite());
-  }
-  Command scroll;
-  scroll.scroll_m_per_s = {0.0, kNan, 0.0};
-  static_cast<void>(hand.renderer.apply(scroll));
-  Command swap;
-  swap.kind = Command::Kind::swap;
-  swap.window = window_on(sparsha::test::flat_scene(), 0, 2);
-  swap.move = true;
-  swap.centre_m = {kNan, 0.0};
-  static_cast<void>(hand.renderer.apply(swap));
-  hand.arm();
-  EXPECT_TRUE(std::isfinite(hand.renderer.state().centre_m[0]) && std::isfinite(hand.renderer.state().centre_m[1]));
-}
-
-TEST(HapticRenderer, ATickThatFailsAfterItsForceWasDecidedIsZeroAndFlaggedOnce) {
-  Hand hand(window_on(sparsha::test::flat_scene()));
-  hand.arm();
-  ASSERT_GT(hand.press({0.0, 0.0, -0.002}).commanded_force_n[2], 1.0);
-  hand.renderer.fail();
-  hand.renderer.fail();
-  EXPECT_EQ(hand.renderer.faults(), 1U);
-  EXPECT_EQ(vector_of(hand.renderer.state().commanded_force_n).norm(), 0.0);
-  EXPECT_TRUE((hand.renderer.state().flags & kFlagFault) != 0);
-  for (int i = 0; i < 100; ++i) ASSERT_EQ(hand.go({0.0, 0.0, -0.002}).commanded_force_n[2], 0.0);
 }
 
 }  // namespace
