@@ -111,10 +111,16 @@ void TiledProjection::exchange_points(const std::function<void(const float* reco
     }
     return more;
   };
+  const std::size_t sent_bytes = sizeof(std::uint32_t) + record_bytes;
+  std::vector<std::size_t> ends(to.size());
   cloud_.file->drain(0, PointFile::kPiece, [&](const PointRecords& records) {
     context.progress.throw_if_cancelled();
     const OrientedPoints points = orient(records, context.pool);
     begin(1);
+    for (std::size_t r = 0; r < to.size(); ++r) {
+      ends[r] = to[r].size();
+      if (r != ranks_->number()) to[r].resize(ends[r] + points.count * sent_bytes);
+    }
     for (std::size_t k = 0; k < points.count; ++k) {
       int column = 0;
       int row = 0;
@@ -125,10 +131,16 @@ void TiledProjection::exchange_points(const std::function<void(const float* reco
       const auto number = static_cast<std::uint32_t>(row);
       for (std::size_t r = 0; r < rows.size(); ++r) {
         if (number < rows[r].first || number >= rows[r].last) continue;
-        append(to[r], &number, sizeof(number));
-        append(to[r], records.xyz(k), record_bytes);
+        if (r == ranks_->number()) {
+          use(records.xyz(k), number);
+          continue;
+        }
+        std::memcpy(to[r].data() + ends[r], &number, sizeof(number));
+        std::memcpy(to[r].data() + ends[r] + sizeof(number), records.xyz(k), record_bytes);
+        ends[r] += sent_bytes;
       }
     }
+    for (std::size_t r = 0; r < to.size(); ++r) to[r].resize(ends[r]);
     (void)exchange();
   });
   do {
