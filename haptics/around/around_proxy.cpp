@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace sparsha::haptics {
 namespace {
@@ -26,6 +27,9 @@ constexpr int kFewSteps = 12;                // of the solver
 constexpr double kOneLook = 0.5;             // cells: a way that needs but one look about
 constexpr double kMeasuredLook = 2.0;        // cells: the same for one that ends where the sheet was measured
 constexpr int kLongRun = 16;                 // cells: the solver may divide the hand's way
+constexpr double kSeamCells = 2.0;           // that what sheets differ by fades over
+constexpr double kMostSeam = 0.35;           // cells that it may be
+constexpr double kMostShare = 0.5;           // and of the way from hand to proxy
 
 bool is_hand(const ObjectSurface& object, const Eigen::Vector3d& hip_m) noexcept {
   constexpr double kFarthest = 1e12;  // cells, as for one surface
@@ -36,7 +40,7 @@ class Course {
  public:
   Course(const ObjectSurface& object, const Eigen::Vector3d& hip_m, AroundState& state,
          const SolverOptions& options) noexcept
-      : object_(object), hip_m_(hip_m), state_(state), options_(options) {}
+      : object_(object), hip_m_(hip_m), state_(state), options_(options), begin_m_(state.position_m) {}
 
   AroundUpdate run() noexcept {
     while (found_.segments < options_.segment_limit) {
@@ -222,6 +226,7 @@ class Course {
     }
     if (best == kNoSheet) return false;
     ++found_.hand_overs;
+    if (!slid_.unfinished && found_.hand_overs == 1) rested_m_ = state_.position_m;
     move_to(best, there);
     return true;
   }
@@ -316,8 +321,37 @@ class Course {
     return rests ? Look::leaves : Look::moves;
   }
 
+  /// What two sheets of one surface differ by is no step of the force: it fades over the proxy's next cells.
+  void fade_seam() noexcept {
+    SeamFade& seam = state_.seam;
+    if (state_.sheet == kNoSheet || found_.edges > 0) {
+      seam = {};
+      return;
+    }
+    const double arm_m = (state_.position_m - hip_m_).norm();
+    if (seam.left > 0.0) {
+      const double gone = (state_.position_m - begin_m_).norm() / object_.spacing_m;
+      const double left = std::max(0.0, seam.left - gone);
+      seam.apart_m *= left / seam.left;
+      seam.left = left;
+    }
+    if (found_.hand_overs > 0 && rested_m_) {
+      // A hand that rests on the sheet before was there: the force goes on from what it was.
+      const Eigen::Vector3d apart_m = felt_of(seam, arm_m) + *rested_m_ - state_.position_m;
+      const double most_m = std::min(kMostSeam * object_.spacing_m, kMostShare * arm_m);
+      seam = apart_m.norm() <= most_m ? SeamFade{apart_m, arm_m, kSeamCells} : SeamFade{};
+    }
+    found_.position_m += felt_of(seam, arm_m);
+  }
+
+  [[nodiscard]] static Eigen::Vector3d felt_of(const SeamFade& seam, double arm_m) noexcept {
+    if (!(seam.left > 0.0)) return Eigen::Vector3d::Zero();
+    return std::min(1.0, arm_m / seam.arm_m) * seam.apart_m;
+  }
+
   AroundUpdate finish() noexcept {
     found_.position_m = state_.position_m;
+    if (state_.seam.left > 0.0 || rested_m_) fade_seam();
     found_.sheet = state_.sheet;
     found_.contact = state_.sheet != kNoSheet;
     if (!found_.contact) return found_;
@@ -337,6 +371,8 @@ class Course {
   ProxyUpdate slid_;
   Eigen::Vector3d normal_ = Eigen::Vector3d::Zero();
   int take_offs_ = 0;
+  Eigen::Vector3d begin_m_;                  ///< the proxy before
+  std::optional<Eigen::Vector3d> rested_m_;  ///< the proxy on the sheet that it left first, at rest there
   /// Sheets that were left in this tick, and how far the hand was from the proxy then.
   struct Left {
     std::uint32_t sheet;

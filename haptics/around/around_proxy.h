@@ -13,18 +13,26 @@
 
 namespace sparsha::haptics {
 
+/// What two sheets differ by where the proxy went over from one to the next. It fades while the proxy goes on.
+struct SeamFade {
+  Eigen::Vector3d apart_m = Eigen::Vector3d::Zero();  ///< object frame
+  double arm_m = 0.0;  ///< from hand to proxy where that was; a hand less deep feels as much less of it
+  double left = 0.0;   ///< cells that the proxy has to go on until none is left
+};
+
 /// What carries over from tick to tick.
 struct AroundState {
   std::uint32_t sheet = kNoSheet;                        ///< that the proxy lies on; kNoSheet: it is free
   ProxyState proxy;                                      ///< local frame of `sheet`
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< object frame
   bool started = false;
+  SeamFade seam;
 };
 
 /// What one update found.
 struct AroundUpdate {
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< unit; zero when free
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< the proxy, and what is left of a seam
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();      ///< unit; zero when free
   double mu_dynamic = 0.0;
   double mu_static = 0.0;
   bool contact = false;
