@@ -55,31 +55,30 @@ class Solver {
   }
   [[nodiscard]] bool solvable() const { return solvable_; }
 
-  [[nodiscard]] Vector solve(Vector x) const {
+  /// Solutions for a right side and for the units of h_xx, h_xy and h_yy, which are solved side by side.
+  [[nodiscard]] std::array<Vector, 4> solve(const Vector& right) const {
+    std::array<std::array<double, 4>, Terms> x{};
+    for (std::size_t a = 0; a < Terms; ++a) x[a][0] = right[a];
+    for (std::size_t unit = 1; unit < 4; ++unit) x[unit + 2][unit] = 1;
     for (std::size_t a = 0; a < Terms; ++a) {
-      for (std::size_t k = 0; k < a; ++k) x[a] -= factor_[a][k] * x[k];
-      x[a] /= factor_[a][a];
+      for (std::size_t k = 0; k < a; ++k) subtract(factor_[a][k], x[k], x[a]);
+      for (double& value : x[a]) value /= factor_[a][a];
     }
     for (std::size_t a = Terms; a-- > 0;) {
-      for (std::size_t k = a + 1; k < Terms; ++k) x[a] -= factor_[k][a] * x[k];
-      x[a] /= factor_[a][a];
+      for (std::size_t k = a + 1; k < Terms; ++k) subtract(factor_[k][a], x[k], x[a]);
+      for (double& value : x[a]) value /= factor_[a][a];
     }
-    return x;
+    std::array<Vector, 4> solutions;
+    for (std::size_t a = 0; a < Terms; ++a)
+      for (std::size_t side = 0; side < 4; ++side) solutions[side][a] = x[a][side];
+    return solutions;
   }
-  [[nodiscard]] Vector row(std::size_t term) const {
-    Vector unit{};
-    unit[term] = 1;
-    return solve(unit);
-  }
-  /// a' M b, M the matrix of `moments`.
-  static double product(const Moments<Powers>& moments, const Vector& a, const Vector& b) {
-    double sum = 0;
-    for (std::size_t k = 0; k < Terms; ++k) {
-      double row_sum = 0;
-      for (std::size_t n = 0; n < Terms; ++n) row_sum += entry(moments, k, n) * b[n];
-      sum += a[k] * row_sum;
-    }
-    return sum;
+  /// M b, M the matrix of `moments`.
+  static Vector product(const Moments<Powers>& moments, const Vector& b) {
+    Vector rows{};  // column by column: the sums of all rows grow side by side
+    for (std::size_t n = 0; n < Terms; ++n)
+      for (std::size_t k = 0; k < Terms; ++k) rows[k] += entry(moments, k, n) * b[n];
+    return rows;
   }
   static double entry(const Moments<Powers>& moments, std::size_t a, std::size_t b) {
     return moments[static_cast<std::size_t>(kTerms[a][1] + kTerms[b][1])]
@@ -87,6 +86,10 @@ class Solver {
   }
 
  private:
+  static void subtract(double factor, const std::array<double, 4>& from, std::array<double, 4>& x) {
+    for (std::size_t side = 0; side < 4; ++side) x[side] -= factor * from[side];
+  }
+
   std::array<Vector, Terms> factor_{};
   bool solvable_ = false;
 };
@@ -173,10 +176,13 @@ std::optional<OwnLayerFit::Fitted> OwnLayerFit::fit_terms(const Weights& weights
       first = std::max(first, low);
       end = std::min(end, high);
       if (first >= end) return;
-      for (std::size_t k = 0; k < sums.size(); ++k) sums[k] += weights.before[end][k] - weights.before[first][k];
+      for (std::size_t p = 0; p < kMoments; ++p) {
+        sums[p] += weights.before[end][p] - weights.before[first][p];
+        sums[kPowers + p] += weights.before[end][kPowers + p] - weights.before[first][kPowers + p];
+      }
       for (std::size_t k = first; k < end; ++k) {
         const double h = static_cast<double>(texture.at(row + k * step)) - own;
-        for (std::size_t p = 0; p < row_data.size(); ++p) row_data[p] += h * weights.data[k][p];
+        for (std::size_t p = 0; p <= kDegree; ++p) row_data[p] += h * weights.data[k][p];
         row_squares += h * h * weights.data[k][0];
       }
     });
@@ -200,16 +206,17 @@ std::optional<OwnLayerFit::Fitted> OwnLayerFit::fit_terms(const Weights& weights
   typename Solver::Vector right{};
   for (std::size_t a = 0; a < Terms; ++a)
     right[a] = data[static_cast<std::size_t>(kTerms[a][1])][static_cast<std::size_t>(kTerms[a][0])];
-  const typename Solver::Vector c = solver.solve(right);
-  const typename Solver::Vector xx = solver.row(3), xy = solver.row(4), yy = solver.row(5);
+  const auto [c, xx, xy, yy] = solver.solve(right);
   const double unit_2 = scale_ * scale_, unit_4 = unit_2 * unit_2;
 
   Fitted fitted;
   std::copy_n(c.begin(), fitted.quadratic.size(), fitted.quadratic.begin());
   fitted.derivatives = {c[1] / scale_, c[2] / scale_, 2 * c[3] / unit_2, c[4] / unit_2, 2 * c[5] / unit_2};
-  fitted.gain = {4 * Solver::product(noise, xx, xx) / unit_4, 4 * Solver::product(noise, yy, yy) / unit_4,
-                 Solver::product(noise, xy, xy) / unit_4, 4 * Solver::product(noise, xx, yy) / unit_4};
-  const double left = squares - std::inner_product(c.begin(), c.end(), right.begin(), 0.0);
+  const auto dot = [](const auto& a, const auto& b) { return std::inner_product(a.begin(), a.end(), b.begin(), 0.0); };
+  const typename Solver::Vector noise_yy = Solver::product(noise, yy);
+  fitted.gain = {4 * dot(xx, Solver::product(noise, xx)) / unit_4, 4 * dot(yy, noise_yy) / unit_4,
+                 dot(xy, Solver::product(noise, xy)) / unit_4, 4 * dot(xx, noise_yy) / unit_4};
+  const double left = squares - dot(c, right);
   const double nodes = moments[0][0] * moments[0][0] / noise[0][0];
   if (nodes <= Terms + 1) return Terms == 6 ? std::optional(fitted) : std::nullopt;
   fitted.misfit_2 = std::max(0.0, left / moments[0][0]) * nodes / (nodes - Terms);
