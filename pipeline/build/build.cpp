@@ -232,7 +232,8 @@ AroundReport around_of(const ChartResult& found, const std::function<ChartCheck(
                               100.0 * static_cast<double>(count) / all, why));
   };
   warn_of(found.discs_undecided, "nothing tells which side of it is outside");
-  warn_of(found.discs_thin, "walls thinner than 2.3 point spacings, whose two faces mix");
+  // One disc that stands opposite may be an error of noise, so that what it leaves out is no evidence of a wall.
+  warn_of(found.discs_thin_agreed, "walls thinner than 2.3 point spacings, whose two faces mix");
   if (check) {
     progress.begin("cross-check of charts");
     report.check = check(found.charts);

@@ -24,6 +24,7 @@ constexpr double kSideSamples = 400000;  // points that votes on the sides are c
 constexpr double kMostUndecided = 0.5;   // of the discs: then nothing tells the sides
 constexpr float kOpposite = -0.7F;       // cosine of the normals of the two faces of a wall
 constexpr double kBesideSpacings = 1.5;  // between a disc and the nearest of the opposite face, along the wall
+constexpr int kAgreeing = 3;             // discs of an opposite face that tell a wall; fewer may be errors of noise
 constexpr double kMostSparse = 0.15;     // of places whose points are twice as far apart as the median
 
 Eigen::Matrix3d turned_frame() { return Eigen::Quaterniond(1.0, 0.3713, -0.2291, 0.5417).normalized().matrix(); }
@@ -93,8 +94,11 @@ struct Normals {
   std::vector<Eigen::Vector3f> normal;
 };
 
-// Flags discs of walls that are too thin: the opposite face lies so near behind them that neighbourhoods of points
-// hold both faces.
+/// What is opposite of a disc, nearer than a wall has to be thick.
+enum Opposite : std::uint8_t { kNone, kSome, kAgreed };
+
+// Discs of walls that are too thin: the opposite face lies so near behind them that neighbourhoods of points hold both
+// faces. Where kAgreeing discs say so, it is agreed.
 std::vector<std::uint8_t> thin_walls(const TangentDiscs& discs, const Normals& normals, double spacing_m,
                                      ThreadPool& pool) {
   const auto thin = static_cast<float>(SidedDiscs::kThinSpacings * spacing_m);
@@ -113,7 +117,8 @@ std::vector<std::uint8_t> thin_walls(const TangentDiscs& discs, const Normals& n
         for (std::uint32_t d = start[0]; d < start[1]; ++d) {
           const Eigen::Vector3f& normal = normals.normal[d];
           const Eigen::Vector3f foot = place(d);
-          for (std::size_t j = row > 0 ? row - 1 : 0; j <= std::min(rows - 1, row + 1) && flags[d] == 0; ++j) {
+          int opposite = 0;
+          for (std::size_t j = row > 0 ? row - 1 : 0; j <= std::min(rows - 1, row + 1) && opposite < kAgreeing; ++j) {
             const std::uint32_t* other = discs.start.get() + j * (columns + 1);
             const std::uint32_t last = other[std::min(columns - 1, column + 1) + 1];
             for (std::uint32_t k = other[column > 0 ? column - 1 : 0]; k < last; ++k) {
@@ -121,10 +126,10 @@ std::vector<std::uint8_t> thin_walls(const TangentDiscs& discs, const Normals& n
               const Eigen::Vector3f apart = place(k) - foot;
               const float behind = -normal.dot(apart);
               if (std::abs(behind) >= thin || (apart + behind * normal).squaredNorm() >= beside * beside) continue;
-              flags[d] = 1;
-              break;
+              if (++opposite == kAgreeing) break;
             }
           }
+          flags[d] = opposite == 0 ? kNone : opposite < kAgreeing ? kSome : kAgreed;
         }
       }
     }
@@ -134,7 +139,7 @@ std::vector<std::uint8_t> thin_walls(const TangentDiscs& discs, const Normals& n
 
 /// What becomes of the discs of a row of columns.
 struct RowCount {
-  std::uint64_t kept = 0, outside = 0, undecided = 0, thin = 0;
+  std::uint64_t kept = 0, outside = 0, undecided = 0, thin = 0, thin_agreed = 0;
 };
 
 // Discs whose sides are known, in the grid frame and inside the box, in the order of the columns.
@@ -156,7 +161,7 @@ void keep_sided(const TangentDiscs& found, const Eigen::Matrix3d& to_grid, Threa
     const Eigen::Vector3f foot = foot_of(d);
     if (!((foot.array() >= low).all() && (foot.array() <= high).all())) return &RowCount::outside;
     if (found.records[kDiscRecord * d + 7] == 0.0F) return &RowCount::undecided;
-    return thin[d] != 0 ? &RowCount::thin : &RowCount::kept;
+    return thin[d] == kNone ? &RowCount::kept : thin[d] == kSome ? &RowCount::thin : &RowCount::thin_agreed;
   };
   std::vector<RowCount> counts(rows);
   pool.for_ranges(rows, 4, [&](std::size_t begin, std::size_t end) {
@@ -171,7 +176,8 @@ void keep_sided(const TangentDiscs& found, const Eigen::Matrix3d& to_grid, Threa
     first[row + 1] = first[row] + count.kept;
     result.outside += count.outside;
     result.undecided += count.undecided;
-    result.thin += count.thin;
+    result.thin += count.thin + count.thin_agreed;
+    result.thin_agreed += count.thin_agreed;
   }
   result.count = first[rows];
   result.found = result.count + result.outside + result.undecided + result.thin;

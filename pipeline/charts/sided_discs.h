@@ -29,11 +29,12 @@ struct SidedDiscs {
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
   DiscRule rule;
   double point_spacing_m = 0.0;
-  std::uint64_t found = 0;       ///< discs, whether their sides are known or not
-  std::uint64_t undecided = 0;   ///< of them, those of which nothing tells the side
-  std::uint64_t thin = 0;        ///< of them, those of walls that are too thin
-  std::uint64_t outside = 0;     ///< of them, those outside the box of supported points
-  Eigen::Vector3d min_m, max_m;  ///< that box
+  std::uint64_t found = 0;        ///< discs, whether their sides are known or not
+  std::uint64_t undecided = 0;    ///< of them, those of which nothing tells the side
+  std::uint64_t thin = 0;         ///< of them, those of walls that are too thin
+  std::uint64_t thin_agreed = 0;  ///< of these, those that at least three discs are opposite of
+  std::uint64_t outside = 0;      ///< of them, those outside the box of supported points
+  Eigen::Vector3d min_m, max_m;   ///< that box
   std::size_t count = 0;
   Buffer<SidedDisc> discs;  ///< in an order that depends on the set of points alone
 };

@@ -123,6 +123,20 @@ TEST(WholeObjects, ThatAreWallsOfTwoSpacingsAreUndecided) {
   }
 }
 
+TEST(WholeObjects, AreCalledThinOnlyWhereSeveralPointsSaySo) {
+  constexpr double kWarned = 0.001;
+  const auto agreed_of = [](const NamedObject& named, std::size_t points) {
+    const ObjectScan scan = scan_object(*named.object, cloud_of(points));
+    const pipeline::ChartResult found = charts_of(scan.points, scan.spacing_m);
+    EXPECT_LE(found.discs_thin_agreed, found.discs_thin) << named.name;
+    return static_cast<double>(found.discs_thin_agreed) / static_cast<double>(found.discs);
+  };
+  EXPECT_GT(agreed_of(plate(2.5, kFew, turned(30.0, 20.0)), kFew), 10.0 * kWarned);
+  EXPECT_LT(agreed_of(plate(3.5, kFew, turned(30.0, 20.0)), kFew), 0.1 * kWarned);
+  // Of so many points, a thousandth has one disc opposite by noise alone.
+  EXPECT_LT(agreed_of({"torus", make_torus()}, 1'000'000), 0.5 * kWarned);
+}
+
 TEST(WholeObjects, NeedASurfaceWithAnOuterSide) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
