@@ -56,6 +56,26 @@ def refusal_is_said_once(folder):
     assert not (folder / "shared").exists()
 
 
+def file_that_one_rank_cannot_read_is_named(folder):
+    ply = folder / "plane.ply"
+    points = "".join(f"{i % 40} {i // 40} {(i * 7) % 3 * 0.1}\n" for i in range(1600))
+    ply.write_text("ply\nformat ascii 1.0\nelement vertex 1600\nproperty float x\nproperty float y\nproperty float z\n"
+                   "end_header\n" + points)
+    parts = []
+    for scan in ("plane.ply", "gone.ply"):
+        config = folder / f"{scan}.yaml"
+        config.write_text(f"scans:\n  - {{file: {scan}, units: m}}\n")
+        parts += [":"] * bool(parts) + ["-n", "1", PROGRAM, "build", str(config), "--quiet", "--out", str(folder / "shared")]
+    began = time.monotonic()
+    run = subprocess.run(["mpirun", *parts], capture_output=True, text=True, timeout=60, env=environment())
+    assert time.monotonic() - began < LONGEST_S
+    assert run.returncode == 3 and run.stderr.count("error:") == 1, run
+    assert "rank 1 of 2" in run.stderr and "gone.ply" in run.stderr, run.stderr
+    assert not (folder / "shared").exists()
+    for file in folder.glob("*.ply*"):
+        file.unlink()
+
+
 def runs(pid):
     """Whether there is such a process that has not ended; one that nobody has waited for has."""
     try:
@@ -95,6 +115,7 @@ def main():
         folder = pathlib.Path(name)
         same_bytes(folder)
         refusal_is_said_once(folder)
+        file_that_one_rank_cannot_read_is_named(folder)
         killed_rank_ends_all(folder)
     return 0
 
