@@ -76,6 +76,17 @@ def file_that_one_rank_cannot_read_is_named(folder):
         file.unlink()
 
 
+def children_of(pid):
+    found = []
+    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
+        try:
+            if int(stat.read_text().rpartition(")")[2].split()[1]) == pid:
+                found.append(int(stat.parent.name))
+        except (FileNotFoundError, ProcessLookupError):
+            pass
+    return sorted(found)
+
+
 def runs(pid):
     """Whether there is such a process that has not ended; one that nobody has waited for has."""
     try:
@@ -91,8 +102,7 @@ def killed_rank_ends_all(folder):
     ranks = []
     deadline = time.monotonic() + 30
     while len(ranks) < 2 and time.monotonic() < deadline and mpirun.poll() is None:
-        found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(mpirun.pid)], capture_output=True, text=True).stdout
-        ranks = [int(word) for word in found.split()]
+        ranks = children_of(mpirun.pid)
     assert len(ranks) == 2, "the ranks did not start"
     os.kill(ranks[1], signal.SIGKILL)
     began = time.monotonic()
