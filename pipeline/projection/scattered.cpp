@@ -104,7 +104,8 @@ Cubes sample_cubes(const OrientedPieces& pieces, const Extent& extent, double cu
       }
     }
   });
-  return pieces.joins() ? joined(pieces, cubes) : cubes;
+  if (pieces.joins()) return joined(pieces, cubes);
+  return cubes;
 }
 
 }  // namespace
