@@ -118,6 +118,8 @@ void Wishes::move_to(const Eigen::Vector2d& centre_m, const Window& window) {
 
 void Wishes::welcome_next() { post(haptics::Request::Kind::fresh_visitor); }
 
+void Wishes::turn(const Eigen::Vector3d& axis_deg) { post(Kind::turn, axis_deg.x(), axis_deg.y(), true, axis_deg.z()); }
+
 void Wishes::quit() { post(Kind::quit); }
 
 bool Wishes::undo() {

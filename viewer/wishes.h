@@ -22,6 +22,8 @@ class Wishes {
   void move_to(const Eigen::Vector2d& centre_m, const Window& window);
   /// From now on the hand drags the stone, or no longer.
   void drag(bool on, const Window& window);
+  /// A whole object turns about an axis of the device; the length is the angle, degrees, at most 360.
+  void turn(const Eigen::Vector3d& axis_deg);
   void quit();
   /// The session starts anew for the next visitor.
   void welcome_next();

@@ -123,9 +123,12 @@ std::string Announcer::view_text(const View& view) const {
                        {{"distance", phrases_.distance(view.width_m)}, {"size", size}});
 }
 
-void Announcer::say_turned(const Eigen::Quaterniond& device_from_grid) {
-  const Eigen::Vector3d towards = device_from_grid.conjugate() * Eigen::Vector3d::UnitZ();
-  say("turned", {{"side", phrases_.text(side_of(towards))}});
+void Announcer::say_turned(const Eigen::Quaterniond& device_from_grid, const Eigen::Quaterniond* from) {
+  const auto shown = [this](const Eigen::Quaterniond& turn) {
+    return phrases_.text(side_of(turn.conjugate() * Eigen::Vector3d::UnitZ()));
+  };
+  const std::string side = shown(device_from_grid);
+  if (from == nullptr || shown(*from) != side) say("turned", {{"side", side}});
 }
 
 void Announcer::say_view(const View& view) { say_as_is(view_text(view)); }

@@ -47,8 +47,8 @@ class Announcer {
   void say_part(std::size_t index, const Eigen::Vector2d& way_m, bool under_hand);
   /// Distance and hour of a way of the hand, device frame; `here` where there is none.
   void say_way(Phrase there, Phrase here, const Eigen::Vector2d& way_m, PhraseValues values = {});
-  /// A whole object has been turned: what it shows now.
-  void say_turned(const Eigen::Quaterniond& device_from_grid);
+  /// A whole object has been turned: what it shows now; after a small turn, whose start is `from`, only another side.
+  void say_turned(const Eigen::Quaterniond& device_from_grid, const Eigen::Quaterniond* from = nullptr);
   /// Where the hand is, at length; asked again on the same part, what else there is to say about it.
   void describe(const State& state, const View& view);
   /// What was said last, once more.

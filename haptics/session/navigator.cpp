@@ -167,6 +167,7 @@ std::optional<Command> Navigator::turn(const Request& request) {
     announcer_.say("turn_one_view");
     return std::nullopt;
   }
+  const Eigen::Quaterniond before = turn_;
   const Eigen::Vector3d way_deg(request.x, request.y, request.z);
   if (request.kind == Request::Kind::turn_back) {
     turn_.setIdentity();
@@ -176,7 +177,7 @@ std::optional<Command> Navigator::turn(const Request& request) {
     turn_ = Eigen::AngleAxisd(kRadians * angle_deg, way_deg / angle_deg) * turn_;
     turn_.normalize();
   }
-  announcer_.say_turned(turn_);
+  announcer_.say_turned(turn_, request.on ? &before : nullptr);
   return turn_command(turn_);
 }
 

@@ -27,7 +27,8 @@ struct Request {
     whole_scene,      ///< the overview, with the scene's middle in the middle
     next_part,        ///< the window goes to the next named part; on: by a button that is held, which ends a guide
     previous_part,    ///< likewise
-    turn,             ///< a whole object, about its middle; x, y, z: axis times degrees, device frame
+    turn,             ///< a whole object, about its middle; x, y, z: axis times degrees, device frame; on: one of many
+                      ///< small turns, said only when the side that it shows changes
     turn_back,        ///< a whole object, to the front that it began with
     drag,             ///< on: the stone moves with the hand, without force, until this is asked for with off
     guide,            ///< the hand is led along an outline, or no longer; on: by a button that is held on

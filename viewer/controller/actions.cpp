@@ -161,6 +161,7 @@ void Controller::welcome_next(const ViewSettings& first) {
   release(drag_key_);
   if (grip_ == Grip::mark) marking_.release();
   grip_ = Grip::none;  // and what it held is not clicked
+  turned_px_.setZero();
   hand_.press(false);
   while (marking_.escape()) {
   }

@@ -130,6 +130,7 @@ void Controller::update(double time_s, const haptics::State& state, int width, i
   const Window now = window();
   wishes_.update(time_s, state, now);
   if (overview_waits_) go_to_overview(mouse_);
+  turn_object();
   orbit_.update(seconds, now, ground(now, drawn_at ? drawn_at : height_at), stage_,
                 layout_of(width, height, frame_.settings).detail, frame_.camera);
   if (connections_.pointer != nullptr)

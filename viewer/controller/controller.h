@@ -79,7 +79,7 @@ class Controller {
 
  private:
   /// What the left button holds while it is down.
-  enum class Grip { none, hand, camera, light, overview, box, mark };
+  enum class Grip { none, hand, camera, light, overview, box, mark, object };
 
   // Each carries out the actions that are its own, and gives false for all others.
   bool step_hand(Action action);
@@ -90,6 +90,7 @@ class Controller {
   void begin_drag();
   void drag_hand(const Eigen::Vector2d& from, const View& view);
   void turn_light(const Eigen::Vector2d& moved);
+  void turn_object();
   void ask_rescan();
   void go_to_scans();
   void save_strip();
@@ -131,6 +132,7 @@ class Controller {
   Eigen::Vector2d mouse_ = Eigen::Vector2d::Zero();
   Grip grip_ = Grip::none;
   std::optional<Clickable> gripped_;
+  Eigen::Vector2d turned_px_ = Eigen::Vector2d::Zero();  // of a drag that turns the object, not yet asked for
   bool right_down_ = false, middle_down_ = false;
   int drag_key_ = 0;             // while it is down, the hand drags the stone
   double overview_s_ = -1.0;     // when the window was sent there last

@@ -1,5 +1,7 @@
 // The mouse: the hand over the stone, the camera, the light, the overview and what can be clicked.
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "scene/scene.h"
 #include "viewer/controller/controller.h"
@@ -9,6 +11,8 @@ namespace {
 
 constexpr double kTurn_rad = 0.006;  // a pixel
 constexpr double kLight_rad = 0.008;
+constexpr double kTurn_deg = 0.35;       // of a whole object in the hand, a pixel
+constexpr double kMostTurn_deg = 180.0;  // between two pictures
 constexpr double kDoubleClick_s = 0.4;
 constexpr double kSamePlace_px = 6.0;  // between the two clicks of a double one
 constexpr double kOverview_s = 0.08;   // between two windows that a drag in the overview asks for
@@ -46,6 +50,11 @@ void Controller::mouse_move(double x, double y, const Layout& layout, const View
   if (grip_ == Grip::light) return turn_light(moved);
   if (grip_ == Grip::mark) {
     marking_.drag(aim());
+    return;
+  }
+  if (grip_ == Grip::object) {
+    hand_.forget_aim();
+    turned_px_ += moved;
     return;
   }
   if (right_down_ || grip_ == Grip::camera) {
@@ -92,6 +101,8 @@ void Controller::press_left(int modifiers) {
     grip_ = Grip::box;
   } else if ((modifiers & kControl) != 0 && (modifiers & kShift) != 0) {
     grip_ = Grip::light;
+  } else if ((modifiers & kControl) != 0 && scene_ && is_whole(scene_->description())) {
+    grip_ = Grip::object;
   } else if (marking_.grip(aim(), frame_.settings.parts)) {
     grip_ = Grip::mark;
   } else if (frame_.looks || !frame_.has_pointer) {
@@ -112,6 +123,7 @@ void Controller::release_left() {
   if (grip == Grip::mark) marking_.release();
   if (grip == Grip::overview) overview_waits_ = true;
   if (grip == Grip::overview) overview_s_ = -1.0;
+  if (grip == Grip::object) turn_object();
   if (grip != Grip::box || !gripped_ || !gripped_->rect.contains(mouse_.x(), mouse_.y())) return;
   if (gripped_->does == Clickable::Does::action) act(gripped_->action);
   if (gripped_->does == Clickable::Does::yes || gripped_->does == Clickable::Does::no)
@@ -162,6 +174,15 @@ void Controller::centre_on(const Eigen::Vector2d& place) {
   const auto world = view_->on_plane(std::fmod(place.x() - layout_.detail.x, view_->width),
                                      place.y() - layout_.detail.y, frame_.camera.target.z());
   if (world) wishes_.move_to(stage_.to_grid_m(*world).head<2>(), window());
+}
+
+// As if the front of the object were held: about the picture's upright and level axes, wherever it is seen from. Asked
+// for once a picture, so that a fast mouse asks for no more turns than are shown.
+void Controller::turn_object() {
+  const Eigen::Vector2d way_px = std::exchange(turned_px_, Eigen::Vector2d::Zero());
+  if (way_px.isZero()) return;
+  const Eigen::Vector3d way_deg = kTurn_deg * (frame_.camera.axes() * Eigen::Vector3d(way_px.y(), way_px.x(), 0.0));
+  wishes_.turn(way_deg * std::min(1.0, kMostTurn_deg / way_deg.norm()));
 }
 
 void Controller::turn_light(const Eigen::Vector2d& moved) {

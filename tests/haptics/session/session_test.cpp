@@ -211,6 +211,24 @@ TEST(Session, AWholeObjectIsTurnedByWishesAndSaysWhatItShows) {
   session.stop();
 }
 
+TEST(Session, SmallTurnsOfAWholeObjectAreSaidOnlyWhereItShowsAnotherSide) {
+  Placed hand;
+  Session session(test::whole_scene(test::ball_charts()), make_pointer_device(hand.place), SessionOptions{});
+  session.start();
+  hand.put(0.0, 0.0, 0.02);
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
+  const auto turned_deg = [&] {
+    return 2.0 * std::acos(std::abs(session.state().read().turn[3])) * 180.0 / 3.14159265;
+  };
+  for (int k = 0; k < 10; ++k) session.requests().post({Request::Kind::turn, 0.0, 4.0, true});
+  ASSERT_TRUE(poll_until(session, [&] { return std::abs(turned_deg() - 40.0) < 0.01; }));
+  EXPECT_FALSE(said(session, "before you"));
+  for (int k = 0; k < 10; ++k) session.requests().post({Request::Kind::turn, 0.0, 4.0, true});
+  ASSERT_TRUE(poll_until(session, [&] { return std::abs(turned_deg() - 80.0) < 0.01; }));
+  EXPECT_TRUE(said(session, "Left side before you"));
+  session.stop();
+}
+
 TEST(Session, TheRimOfTheWorkspaceGoesAlongATurnedObject) {
   Placed hand;
   const auto scene = test::whole_scene(test::ball_charts(), 0.1);
