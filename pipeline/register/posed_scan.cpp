@@ -68,13 +68,15 @@ std::optional<Eigen::Vector3d> place_of(const ScanSet& set, const scene::ScanCon
 }
 
 // Whether a scanner at the origin of coordinates can have seen all of a surface that lies around it: in each direction
-// there is one depth. Where two stations' points lie in one file, or the place is another, walls stand before walls.
+// there is one depth. Where two stations' points lie in one file, or the place is another, walls stand before walls. An
+// object beside the origin, or one side of an object about it, has one depth too, but lies in half of the directions.
 bool seen_from_within(const StationSurface& surface, const Eigen::Vector3d& place) {
   constexpr double kCells = 14.0;          // along a unit of direction: 4 degrees
   constexpr double kNotGrazing = 0.5;      // cosine
   constexpr double kOneDepth = 0.75;       // nearest over farthest in a direction
   constexpr double kLeastShare = 0.9;      // of the directions with several elements: of a hall 0.94 to 0.97
   constexpr std::size_t kLeastCells = 50;  // of them
+  constexpr double kLeastBehind = 0.1;     // of those, on the other side than most; of a closed room about 0.5
   struct Depths {
     double nearest_m = std::numeric_limits<double>::infinity();
     double farthest_m = 0.0;
@@ -93,12 +95,19 @@ bool seen_from_within(const StationSurface& surface, const Eigen::Vector3d& plac
   }
   std::size_t several = 0;
   std::size_t one = 0;
+  std::vector<Eigen::Vector3d> directions;
+  Eigen::Vector3d most = Eigen::Vector3d::Zero();
   for (const auto& [cell, depths] : cells) {
     if (depths.count < 2) continue;
     ++several;
-    if (depths.nearest_m > kOneDepth * depths.farthest_m) ++one;
+    if (!(depths.nearest_m > kOneDepth * depths.farthest_m)) continue;
+    ++one;
+    directions.push_back(Eigen::Vector3d(cell[0], cell[1], cell[2]).normalized());
+    most += directions.back();
   }
-  return several >= kLeastCells && static_cast<double>(one) >= kLeastShare * static_cast<double>(several);
+  const auto behind = std::ranges::count_if(directions, [&](const Eigen::Vector3d& d) { return d.dot(most) < 0.0; });
+  return several >= kLeastCells && static_cast<double>(one) >= kLeastShare * static_cast<double>(several) &&
+         static_cast<double>(behind) >= kLeastBehind * static_cast<double>(one);
 }
 
 // Where somebody far away would stand to see all of the surface: a scan from one place that nobody knows. Its side is

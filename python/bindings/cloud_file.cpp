@@ -1,3 +1,4 @@
+#include <atomic>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -57,11 +58,16 @@ class Bytes {
   std::vector<char> buffer_;
 };
 
+// No two clouds of a process share a name: each would take the other's folder for what a dead process has left.
+std::filesystem::path own_folder() {
+  static std::atomic<unsigned> made{0};
+  return std::filesystem::temp_directory_path() /
+         ("sparsha-" + std::to_string(system::process_id()) + "-" + std::to_string(made++));
+}
+
 }  // namespace
 
-CloudFile::CloudFile(const pipeline::Cloud& cloud)
-    : folder_(std::filesystem::temp_directory_path() / ("sparsha-" + std::to_string(system::process_id())),
-              AtomicPath::Kind::folder) {
+CloudFile::CloudFile(const pipeline::Cloud& cloud) : folder_(own_folder(), AtomicPath::Kind::folder) {
   Bytes bytes(path());
   bytes.put_text(header_of(cloud));
   const float* const xyz1 = cloud.xyz1();
