@@ -274,4 +274,29 @@ TableColumns guess_columns(const std::vector<TableRow>& sample, bool pts) {
   return columns;
 }
 
+TableColumns columns_behind_indices(const std::vector<TableRow>& sample, std::size_t indices) {
+  std::vector<TableRow> behind(sample);
+  for (TableRow& row : behind) {
+    std::shift_left(row.values.begin(), row.values.begin() + static_cast<std::ptrdiff_t>(row.count),
+                    static_cast<std::ptrdiff_t>(indices));
+    std::shift_left(row.words.begin(), row.words.begin() + static_cast<std::ptrdiff_t>(row.count),
+                    static_cast<std::ptrdiff_t>(indices));
+    row.count -= std::min(row.count, indices);
+  }
+  TableColumns columns = columns_by_position(behind, false);
+  for (int* column : {&columns.x, &columns.y, &columns.z, &columns.red, &columns.green, &columns.blue,
+                      &columns.intensity, &columns.nx, &columns.ny, &columns.nz}) {
+    if (*column >= 0) *column += static_cast<int>(indices);
+  }
+  columns.usual += indices;
+  columns.by = TextTable::By::shape;
+  columns.fields.clear();
+  label_fields(columns);
+  columns.warnings.push_back(
+      "without a header its first two columns count along the rows and columns of a grid; x, y "
+      "and z are taken from " +
+      place_text(columns) + "; if that is wrong, 'columns' of the scan names them");
+  return columns;
+}
+
 }  // namespace sparsha::pipeline

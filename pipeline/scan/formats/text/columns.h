@@ -59,5 +59,7 @@ struct HeaderPlace {
 [[nodiscard]] TableColumns guess_columns(const std::vector<TableRow>& sample, bool pts);
 /// The same columns, taken by their places.
 [[nodiscard]] TableColumns columns_by_position(const std::vector<TableRow>& sample, bool pts);
+/// The same behind columns that count along a grid, which are not read.
+[[nodiscard]] TableColumns columns_behind_indices(const std::vector<TableRow>& sample, std::size_t indices);
 
 }  // namespace sparsha::pipeline

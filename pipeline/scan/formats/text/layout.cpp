@@ -9,6 +9,7 @@
 #include "pipeline/scan/formats/text/column_shapes.h"
 #include "pipeline/scan/formats/text/first_lines.h"
 #include "pipeline/scan/formats/text/header.h"
+#include "pipeline/scan/formats/text/raster_indices.h"
 #include "pipeline/scan/formats/text/row_style.h"
 #include "pipeline/scan/text.h"
 
@@ -65,6 +66,9 @@ class Inspector {
       throw file_.error_at(head_.first_words, "the values of " + in_quotes(head_.words) + " stand between bars",
                            "blanks, tabs, commas or semicolons between the columns");
     }
+    const bool names_alone = !head_.headers.empty() && !head_.headers.front().prose &&
+                             (head_.first_words == 0 || head_.headers.front().line == head_.first_words);
+    if (names_alone) throw file_.empty("the file names its columns and has no rows", "lines 'x y z'");
     if (head_.first_words > 0) {
       throw file_.error_at(head_.first_words, "no rows of numbers; " + in_quotes(head_.words) + " is none",
                            std::string("lines 'x y z'; for rows that begin with names, ") + kRemedy);
@@ -210,6 +214,7 @@ class Inspector {
       const bool pts = file_.extension == "pts";
       layout_.columns = guess_columns(rows, pts);
       if (layout_.columns.numbered && !counts_all_rows()) layout_.columns = columns_by_position(rows, pts);
+      if (has_raster_indices(rows)) layout_.columns = columns_behind_indices(rows, RasterIndices::kBehind);
       refuse_no_table(rows);
       warn_of_unused_header(rows);
       if (head_.left_out > 0) {
@@ -288,6 +293,29 @@ class Inspector {
       last = value;
     }
     return true;
+  }
+
+  /// Whether rows and columns of a grid stand in front of the coordinates, which nothing names.
+  [[nodiscard]] bool has_raster_indices(const std::vector<TableRow>& sample) const {
+    const TableColumns& columns = layout_.columns;
+    if (columns.by != TextTable::By::position || !head_.headers.empty() || head_.names > 0) return false;
+    for (const std::size_t fast : {1U, 0U}) {
+      if (may_have_raster_indices(sample, columns.usual, fast) && runs_along_grid(fast)) return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] bool runs_along_grid(std::size_t fast) const {
+    RasterIndices indices(fast);
+    LineReader lines(file_.bytes);
+    std::string_view line;
+    TableRow row;
+    std::size_t seen = 0;
+    while (lines.next(line)) {
+      if ((++seen & 0xFFFF) == 0) file_.throw_if_cancelled();
+      if (parse_table_row(line, layout_.style, row) == RowKind::numbers && !indices.add(row)) return false;
+    }
+    return indices.found();
   }
 
   const ScanFile& file_;
