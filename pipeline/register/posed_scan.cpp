@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/statistics.h"
+#include "pipeline/scan/empty_scan.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/set.h"
 #include "scene/config/config.h"
@@ -261,14 +262,19 @@ PosedScans read_posed_scans(const std::vector<scene::ScanConfig>& scans, double 
                             const Context& context) {
   PosedScans result;
   for (std::size_t s = 0; s < scans.size(); ++s) {
-    result.scans.push_back(read_one(scans[s], voxel_m, trusted, context));
+    try {
+      result.scans.push_back(read_one(scans[s], voxel_m, trusted, context));
+      result.places.push_back(s);
+    } catch (const EmptyScan& empty) {
+      context.progress.warn(left_out_warning(empty));
+    }
     context.progress.at(static_cast<double>(s + 1) / static_cast<double>(scans.size()));
   }
-  for (std::size_t s = 0; s < scans.size(); ++s) {
-    PosedScan& scan = result.scans[s];
-    const Eigen::Affine3d given(scans[s].pose);
+  for (std::size_t k = 0; k < result.scans.size(); ++k) {
+    PosedScan& scan = result.scans[k];
+    const Eigen::Affine3d given(scans[result.places[k]].pose);
     const Eigen::Vector3d place = given * scan.origin_m;
-    if (s == 0) result.origin_m = place;
+    if (k == 0) result.origin_m = place;
     scan.pose.linear() = given.rotation();  // the nearest: a matrix of a configuration is rigid to three digits only
     scan.pose.translation() = place - result.origin_m;
   }

@@ -31,6 +31,7 @@ struct PosedScan {
 
 struct PosedScans {
   std::vector<PosedScan> scans;
+  std::vector<std::size_t> places;  ///< of each among the given scans: those without a point are left out
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();  ///< of the common frame in the scan frame
 
   [[nodiscard]] double longest_m() const;
@@ -40,7 +41,8 @@ struct PosedScans {
 };
 
 /// Reads and thins. `voxel_m` 0: at most kFinePoints a scan. Where the poses are not `trusted`, they say nothing of the
-/// scanners' places. Throws Error{input}, also on a scan that has no surface; Cancelled.
+/// scanners' places. Scans without a point are left out with a warning. Throws Error{input}, also on a scan that has no
+/// surface; Cancelled.
 [[nodiscard]] PosedScans read_posed_scans(const std::vector<scene::ScanConfig>& scans, double voxel_m, bool trusted,
                                           const Context& context);
 

@@ -64,13 +64,14 @@ class Registrar {
  public:
   Registrar(const std::vector<scene::ScanConfig>& scans, const scene::RegisterConfig& config,
             scene::RegisterConfig::Guess guess, const Context& context)
-      : configs_(scans), config_(config), context_(context) {
+      : given_(scans), config_(config), context_(context) {
     if (scans.size() < 2) {
       throw usage_error("one scan alone cannot be registered", "a configuration with two or more scans");
     }
     context.progress.begin("read");
     posed_ = read_posed_scans(scans, config.voxel_m, guess == scene::RegisterConfig::Guess::poses, context);
-    if (guess == scene::RegisterConfig::Guess::features) {
+    for (const std::size_t place : posed_.places) configs_.push_back(scans[place]);
+    if (guess == scene::RegisterConfig::Guess::features && configs_.size() > 1) {
       guesses_ = guess_poses(posed_, config, context);
       turn_views(posed_.scans);
     }
@@ -79,8 +80,8 @@ class Registrar {
     reach_m_ = config.max_distance_m > 0.0 ? config.max_distance_m : automatic * posed_.longest_m();
     medium_touch_m_ = kTouch * posed_.spacing_m(&PosedScan::medium);
     fine_touch_m_ = kTouch * posed_.spacing_m(&PosedScan::fine);
-    for (std::size_t a = 0; a < scans.size(); ++a)
-      for (std::size_t b = a + 1; b < scans.size(); ++b) {
+    for (std::size_t a = 0; a < configs_.size(); ++a)
+      for (std::size_t b = a + 1; b < configs_.size(); ++b) {
         pairs_.emplace_back();
         pairs_.back().fit.first = a;
         pairs_.back().fit.second = b;
@@ -88,6 +89,10 @@ class Registrar {
   }
 
   Registration run() {
+    if (configs_.size() < 2) {
+      throw input_error({}, configs_.empty() ? "none of the scans has points" : "only one of the scans has points",
+                        "two or more scans with points");
+    }
     context_.progress.begin("align pairs");
     align_pairs();
     link();
@@ -96,9 +101,13 @@ class Registrar {
     measure_all_after();
     reject_what_does_not_fit();
     Registration result;
-    for (std::size_t s = 0; s < configs_.size(); ++s) result.poses.push_back(posed_.pose_of(s, posed_.scans[s].pose));
-    if (is_rigid(configs_.front().pose)) result.poses.front() = configs_.front().pose;
-    result.guesses = guesses_;
+    for (const scene::ScanConfig& scan : given_) result.poses.push_back(scan.pose);
+    for (std::size_t s = 0; s < configs_.size(); ++s) {
+      if (s > 0 || !is_rigid(configs_.front().pose))
+        result.poses[posed_.places[s]] = posed_.pose_of(s, posed_.scans[s].pose);
+    }
+    for (const FirstGuess& guess : guesses_)
+      result.guesses.push_back({posed_.places[guess.scan], posed_.places[guess.on], guess.overlap});
     result.pairs = found();
     return result;
   }
@@ -431,14 +440,20 @@ class Registrar {
             advice(posed_.scans[lost], posed_.scans[other]));
   }
 
+  // With the places of the scans among those that were given.
   [[nodiscard]] std::vector<PairFit> found() const {
     std::vector<PairFit> result;
-    for (const Pair& pair : pairs_)
-      if (pair.fit.before.matches + pair.fit.after.matches > 0) result.push_back(pair.fit);
+    for (const Pair& pair : pairs_) {
+      if (pair.fit.before.matches + pair.fit.after.matches == 0) continue;
+      result.push_back(pair.fit);
+      result.back().first = posed_.places[pair.fit.first];
+      result.back().second = posed_.places[pair.fit.second];
+    }
     return result;
   }
 
-  const std::vector<scene::ScanConfig>& configs_;
+  const std::vector<scene::ScanConfig>& given_;
+  std::vector<scene::ScanConfig> configs_;  ///< of the scans that have points
   const scene::RegisterConfig& config_;
   const Context& context_;
   PosedScans posed_;

@@ -46,14 +46,16 @@ struct FirstGuess {
 };
 
 struct Registration {
-  /// Of the configuration's scans, rigid. The first is as given, or turned the least that makes it rigid to 1e-9.
+  /// Of the configuration's scans, rigid. The first is as given, or turned the least that makes it rigid to 1e-9; that
+  /// of a scan without points is as given.
   std::vector<Eigen::Matrix4d> poses;
   std::vector<FirstGuess> guesses;  ///< in the order in which scans were placed; empty where poses were given
   std::vector<PairFit> pairs;       ///< all that have something in common before or after
 };
 
-/// Finds poses, from those given or from features alone (RegisterConfig::guess). Throws Error{usage} on a single scan;
-/// Error{input} naming the scans when one cannot be linked to the first: too little overlap, surfaces that slide, or
+/// Finds poses, from those given or from features alone (RegisterConfig::guess). Scans without points are left out with
+/// a warning that names them. Throws Error{usage} on a single scan; Error{input} when fewer than two have points, and
+/// naming the scans when one cannot be linked to the first: too little overlap, surfaces that slide, or
 /// features that do not tell for sure; Cancelled. The result does not depend on the number of threads.
 [[nodiscard]] Registration register_scans(const std::vector<scene::ScanConfig>& scans,
                                           const scene::RegisterConfig& config, const Context& context);

@@ -379,6 +379,48 @@ TEST(RegisterByFeatures, StopsWhenItIsCancelledInEachStage) {
   }
 }
 
+TEST(Register, ScansWithoutPointsAreLeftOutWithAWarningThatNamesThem) {
+  const ScanFolder folder;
+  const std::vector<scene::ScanConfig> rough = disturbed(carved_pair(folder), 5, 1.0, 0.002);
+  const Registration alone = registered(rough);
+  std::vector<scene::ScanConfig> more = rough;
+  scene::ScanConfig empty;
+  empty.pose(0, 3) = 1.5;
+  empty.file = folder.write("nobytes.xyz", "");
+  more.insert(more.begin(), empty);
+  empty.file = folder.write("headeronly.csv", "x,y,z\n");
+  more.insert(more.begin() + 2, empty);
+  std::vector<std::string> warnings;
+  Progress progress([&](const ProgressUpdate& update) {
+    if (update.kind == ProgressUpdate::Kind::warning) warnings.emplace_back(update.text);
+  });
+  ThreadPool pool(2);
+  const Registration found = register_scans(more, {}, {pool, progress});
+  EXPECT_THAT(warnings, ::testing::IsSupersetOf({::testing::HasSubstr("nobytes.xyz: the file is empty"),
+                                                 ::testing::HasSubstr("headeronly.csv: ")}));
+  ASSERT_EQ(found.poses.size(), more.size());
+  EXPECT_EQ(found.poses[0], empty.pose);
+  EXPECT_EQ(found.poses[2], empty.pose);
+  const std::size_t places[] = {1, 3};
+  for (std::size_t s = 0; s < alone.poses.size(); ++s) EXPECT_EQ(found.poses[places[s]], alone.poses[s]) << s;
+  ASSERT_EQ(found.pairs.size(), alone.pairs.size());
+  for (std::size_t k = 0; k < alone.pairs.size(); ++k) {
+    EXPECT_EQ(found.pairs[k].first, places[alone.pairs[k].first]);
+    EXPECT_EQ(found.pairs[k].second, places[alone.pairs[k].second]);
+  }
+}
+
+TEST(Register, OneScanWithPointsBesideEmptyOnesIsRefusedAndMeasuresNothing) {
+  const ScanFolder folder;
+  scene::ScanConfig empty;
+  empty.file = folder.write("nothing.xyz", "");
+  const std::vector<scene::ScanConfig> scans = {carved_pair(folder).front(), empty};
+  EXPECT_THAT(error_of_registering(scans, ErrorKind::input), ::testing::HasSubstr("only one of the scans has points"));
+  Progress progress;
+  ThreadPool pool(1);
+  EXPECT_TRUE(measure_pairs(scans, {}, {pool, progress}).empty());
+}
+
 TEST(Register, StopsWhenItIsCancelledInEachStage) {
   const std::vector<scene::ScanConfig> rough = disturbed(relief(), 1, 5.0, 0.010);
   for (const std::string stage : {"read", "align pairs", "relax"}) {
