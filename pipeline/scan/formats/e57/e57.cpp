@@ -93,6 +93,11 @@ class Reader {
           [&] { return "only " + std::to_string(out_.records() - before) + " of its points are read: "; });
     }
     if (unreadable_ == count) throw *first_error_;
+    if (out_.records() > 0) {
+      for (const Scan& s : scans) {
+        if (s.records == 0) scan.warnings.push_back(s.name + ": it has no points and is left out");
+      }
+    }
     scan.notes = notes_of(document.child("e57Root"), used_pictures_);
   }
 
