@@ -123,8 +123,7 @@ struct HaplyService::Client {
   std::mt19937 random{7};
 };
 
-HaplyService::HaplyService(HaplyOptions options, Falcon::Hand hand)
-    : options_(std::move(options)), hand_(std::move(hand)) {
+HaplyService::HaplyService(HaplyOptions options, Falcon::Hand hand) : options_(options), hand_(std::move(hand)) {
   states_ = std::make_unique<system::StreamListener>(options_.port);
   port_ = states_->port();
   if (!options_.version_3_1) {
