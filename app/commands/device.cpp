@@ -117,8 +117,8 @@ std::string calibrated_names() {
   return names;
 }
 
-int calibrate_device(const CommonOptions& common, const haptics::DeviceKind& kind, haptics::DeviceRequest request,
-                     double weight_g) {
+int calibrate_device(const CommonOptions& common, const haptics::DeviceKind& kind,
+                     const haptics::DeviceRequest& request, double weight_g) {
   if (!kind.calibrate)
     throw usage_error(fmt::format("the device '{}' has nothing to calibrate here", kind.name),
                       "a device whose motors' scale is not known: " + calibrated_names());
