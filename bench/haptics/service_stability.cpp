@@ -5,12 +5,11 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
-#include <map>
 #include <vector>
 
-#include "base/thread_pool.h"
+#include "bench/haptics/touch_runs.h"
 #include "haptics/device/haply/haply.h"
-#include "tests/support/touch_loop.h"
+#include "haptics/device/haply/messages.h"
 
 namespace sparsha::bench {
 namespace {
@@ -21,20 +20,14 @@ using test::TouchResult;
 
 constexpr std::array kMasses_kg{0.05, 0.15, 0.5};
 constexpr std::array kDampings{0.3, 0.5, 1.0, 2.0, 5.0, 10.0};
-constexpr double kGate = 0.3;            // the gain of the documented inventory
-constexpr double kServiceDamping = 2.0;  // N s/m: that the driver asks for
-constexpr double kUsb_s = 0.001;         // from service to motors: taken, no page tells it
-
-struct Run {
-  TouchCase c;
-  TouchResult governed, free;
-};
+constexpr double kGate = 0.3;     // the gain of the documented inventory
+constexpr double kUsb_s = 0.001;  // from service to motors: taken, no page tells it
 
 /// Loops by rate, damping of the service and gate.
 std::vector<TouchCase> loops() {
   std::vector<TouchCase> result;
   for (const double rate_hz : {1000.0, 4000.0})
-    for (const double damping : {0.0, kServiceDamping})
+    for (const double damping : {0.0, haptics::haply::kServiceDamping})
       for (const double gain : {1.0, kGate}) {
         TouchCase c;
         c.device = haptics::haply::haply_info();
@@ -47,10 +40,8 @@ std::vector<TouchCase> loops() {
   return result;
 }
 
-std::vector<Run> run_all(const std::vector<TouchCase>& loops, bool quick) {
-  std::map<Ground, scene::ScenePointer> scenes;
-  for (const Ground ground : test::kGrounds) scenes[ground] = test::make_ground(ground);
-  std::vector<Run> runs;
+std::vector<TouchRun> run_all(const std::vector<TouchCase>& loops, bool quick) {
+  std::vector<TouchRun> runs;
   for (TouchCase c : loops)
     for (const double mass : kMasses_kg)
       for (const double damping : kDampings)
@@ -63,12 +54,7 @@ std::vector<Run> run_all(const std::vector<TouchCase>& loops, bool quick) {
             c.ground = ground;
             runs.push_back({c, {}, {}});
           }
-  ThreadPool().for_ranges(runs.size(), 1, [&](std::size_t k, std::size_t) {
-    TouchCase c = runs[k].c;
-    runs[k].governed = test::touch(c, scenes.at(c.ground));
-    c.governed = false;
-    runs[k].free = test::touch(c, scenes.at(c.ground));
-  });
+  run_both_ways(runs);
   return runs;
 }
 
@@ -77,7 +63,7 @@ bool same_loop(const TouchCase& a, const TouchCase& b) {
          a.service->damping_n_s_per_m == b.service->damping_n_s_per_m;
 }
 
-void print_table(const std::vector<TouchCase>& loops, const std::vector<Run>& runs) {
+void print_table(const std::vector<TouchCase>& loops, const std::vector<TouchRun>& runs) {
   std::puts(
       "| Hz | delay ms | service's damping N s/m | gate | hand's damping N s/m | N/m | ungoverned mJ | reached mJ | "
       "swing "
@@ -86,7 +72,7 @@ void print_table(const std::vector<TouchCase>& loops, const std::vector<Run>& ru
   for (const TouchCase& loop : loops)
     for (const bool ordinary : {true, false}) {
       double free_j = 0.0, reached_j = 0.0, steps = 0.0, gated = 0.0, altered = 0.0, stiffest_n_per_m = 0.0;
-      for (const Run& run : runs) {
+      for (const TouchRun& run : runs) {
         if (!same_loop(run.c, loop) || (run.c.damping_n_s_per_m >= 2.0) != ordinary) continue;
         free_j = std::max(free_j, run.free.reached_j);
         reached_j = std::max(reached_j, run.governed.reached_j);
@@ -102,11 +88,11 @@ void print_table(const std::vector<TouchCase>& loops, const std::vector<Run>& ru
     }
 }
 
-bool write_csv(const std::filesystem::path& file, const std::vector<Run>& runs) {
+bool write_csv(const std::filesystem::path& file, const std::vector<TouchRun>& runs) {
   std::ofstream csv(file);
   csv << "ground,motion,mass_kg,damping_n_s_per_m,rate_hz,delay_s,service_damping_n_s_per_m,gate_gain,ungoverned_j,"
          "reached_j,delivered_j,swing_m,gated,altered,stiffness_n_per_m\n";
-  for (const Run& run : runs) {
+  for (const TouchRun& run : runs) {
     const TouchCase& c = run.c;
     const TouchResult& r = run.governed;
     csv << test::name_of(c.ground) << ',' << (c.stroke ? "stroke" : "hold") << ',' << c.mass_kg << ','
@@ -121,7 +107,7 @@ bool write_csv(const std::filesystem::path& file, const std::vector<Run>& runs) 
 
 bool write_service_stability(const std::filesystem::path& folder, bool quick) {
   const std::vector<TouchCase> all = loops();
-  const std::vector<Run> runs = run_all(all, quick);
+  const std::vector<TouchRun> runs = run_all(all, quick);
   print_table(all, runs);
   return write_csv(folder / "haptics_service_stability.csv", runs);
 }

@@ -6,13 +6,11 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
-#include <map>
 #include <string>
 #include <vector>
 
-#include "base/thread_pool.h"
 #include "bench/haptics/lines.h"
-#include "tests/support/touch_loop.h"
+#include "bench/haptics/touch_runs.h"
 
 namespace sparsha::bench {
 namespace {
@@ -73,16 +71,8 @@ std::vector<TouchCase> motions(TouchCase c, bool quick) {
   return result;
 }
 
-struct Run {
-  TouchCase c;
-  TouchResult governed, free;
-};
-
-/// With and without the governor, on all processors: nothing is timed here, and each run has its own seed.
-std::vector<Run> run_all(const Loops& loops, bool quick) {
-  std::map<Ground, scene::ScenePointer> scenes;
-  for (const Ground ground : test::kGrounds) scenes[ground] = test::make_ground(ground);
-  std::vector<Run> runs;
+std::vector<TouchRun> run_all(const Loops& loops, bool quick) {
+  std::vector<TouchRun> runs;
   for (const TouchCase& loop : loops)
     for (const double mass : kMasses_kg)
       for (const double damping : kDampings) {
@@ -91,12 +81,7 @@ std::vector<Run> run_all(const Loops& loops, bool quick) {
         c.damping_n_s_per_m = damping;
         for (const TouchCase& motion : motions(c, quick)) runs.push_back({motion, {}, {}});
       }
-  ThreadPool().for_ranges(runs.size(), 1, [&](std::size_t k, std::size_t) {
-    TouchCase c = runs[k].c;
-    runs[k].governed = test::touch(c, scenes.at(c.ground));
-    c.governed = false;
-    runs[k].free = test::touch(c, scenes.at(c.ground));
-  });
+  run_both_ways(runs);
   return runs;
 }
 
@@ -109,7 +94,7 @@ bool same_loop(const TouchCase& a, const TouchCase& b) {
 /// The worst of many runs.
 struct Worst {
   double free_j = 0.0, delivered_j = 0.0, steps = 0.0, altered = 0.0, calm_s = -1.0;
-  void take(const Run& run) {
+  void take(const TouchRun& run) {
     free_j = std::max(free_j, run.free.delivered_j);
     delivered_j = std::max(delivered_j, run.governed.delivered_j);
     // A stroked relief lifts the hand, and after a gap of over 10 ms there is no force that could calm it.
@@ -135,7 +120,7 @@ void print_row(const TouchCase& c, const char* dampings, const Worst& worst) {
 }
 
 /// The worst hands of each loop and mass, those of ordinary damping and weaker ones apart.
-void print_table(const Loops& loops, const std::vector<Run>& runs) {
+void print_table(const Loops& loops, const std::vector<TouchRun>& runs) {
   std::puts(
       "| motion | mass kg | damping N s/m | delay ms, declared | Hz, of planned | jitter ms | 10 % lost | wish N/m | "
       "ungoverned mJ | delivered mJ | swing held, steps | altered ticks % | calm after s |\n"
@@ -144,7 +129,7 @@ void print_table(const Loops& loops, const std::vector<Run>& runs) {
     for (const bool ordinary : {true, false})
       for (const double mass : kMasses_kg) {
         Worst worst;
-        for (const Run& run : runs)
+        for (const TouchRun& run : runs)
           if (same_loop(run.c, loop) && run.c.mass_kg == mass && (run.c.damping_n_s_per_m >= kOrdinary) == ordinary)
             worst.take(run);
         TouchCase c = loop;
@@ -153,12 +138,12 @@ void print_table(const Loops& loops, const std::vector<Run>& runs) {
       }
 }
 
-bool write_csv(const std::filesystem::path& file, const std::vector<Run>& runs) {
+bool write_csv(const std::filesystem::path& file, const std::vector<TouchRun>& runs) {
   std::ofstream csv(file);
   csv << "ground,motion,mass_kg,damping_n_s_per_m,delay_s,declared_ticks,rate_hz,planned_hz,jitter_s,lost,lost_told,"
          "wish_n_per_m,strike_m_per_s,ungoverned_j,delivered_j,swing_m,altered,static_share,stiffness_n_per_m,calm_s,"
          "ended_by_gap\n";
-  for (const Run& run : runs) {
+  for (const TouchRun& run : runs) {
     const TouchCase& c = run.c;
     const TouchResult& r = run.governed;
     csv << test::name_of(c.ground) << ','
@@ -175,7 +160,7 @@ bool write_csv(const std::filesystem::path& file, const std::vector<Run>& runs) 
 }
 
 /// Worst over masses and motions, by damping: energy above, swing below.
-bool draw(const std::filesystem::path& file, const std::vector<Run>& runs) {
+bool draw(const std::filesystem::path& file, const std::vector<TouchRun>& runs) {
   struct Line {
     const char* name;
     const char* colour;
@@ -196,7 +181,7 @@ bool draw(const std::filesystem::path& file, const std::vector<Run>& runs) {
     Curve steps = joules;
     for (const double damping : kDampings) {
       Worst worst;
-      for (const Run& run : runs)
+      for (const TouchRun& run : runs)
         if (same_loop(run.c, line.loop) && run.c.damping_n_s_per_m == damping) worst.take(run);
       joules.x.push_back(damping);
       joules.y.push_back(1e3 * worst.delivered_j);
@@ -213,7 +198,7 @@ bool draw(const std::filesystem::path& file, const std::vector<Run>& runs) {
 
 bool write_stability(const std::filesystem::path& folder, bool quick) {
   const Loops all = loops();
-  const std::vector<Run> runs = run_all(all, quick);
+  const std::vector<TouchRun> runs = run_all(all, quick);
   print_table(all, runs);
   const bool written = write_csv(folder / "haptics_stability.csv", runs);
   return draw(folder / "haptics_stability.svg", runs) && written;

@@ -226,14 +226,14 @@ AroundReport around_of(const ChartResult& found, const std::function<ChartCheck(
                       std::nullopt};
   constexpr double kSome = 0.001;
   const double all = static_cast<double>(std::max<std::uint64_t>(1, found.discs));
-  const auto warn_of = [&](std::uint64_t count, const char* why) {
-    if (static_cast<double>(count) < kSome * all) return;
+  const auto warn_of = [&](std::uint64_t count, std::uint64_t evidence, const char* why) {
+    if (static_cast<double>(evidence) < kSome * all) return;
     progress.warn(fmt::format("around: {:.2g} % of the surface is undecided and left out: {}",
                               100.0 * static_cast<double>(count) / all, why));
   };
-  warn_of(found.discs_undecided, "nothing tells which side of it is outside");
+  warn_of(found.discs_undecided, found.discs_undecided, "nothing tells which side of it is outside");
   // One disc that stands opposite may be an error of noise, so that what it leaves out is no evidence of a wall.
-  warn_of(found.discs_thin_agreed, "walls thinner than 2.3 point spacings, whose two faces mix");
+  warn_of(found.discs_thin, found.discs_thin_agreed, "walls thinner than 2.3 point spacings, whose two faces mix");
   if (check) {
     progress.begin("cross-check of charts");
     report.check = check(found.charts);

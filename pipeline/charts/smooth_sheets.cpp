@@ -12,8 +12,7 @@ namespace {
 
 constexpr int kLeastRadius = 2;
 constexpr int kMostRadius = 6;
-constexpr double kNodeNoise =
-    0.4;  // standard deviation of a node, whose discs have averaged it already, of the points'
+constexpr double kNodeNoise = 0.4;  // of the points' noise: standard deviation of a node, the mean of several discs
 constexpr double kMostRest = 1.35;  // standard deviations: root of the mean square of what a window leaves
 constexpr double kMostMove = 3.0;   // standard deviations: of the node itself
 

@@ -34,12 +34,8 @@ void TiledProjection::count_rows(const Context& context) {
   row_points_.assign(static_cast<std::size_t>(plan_.bins.bins_y()), 0);
   cloud_.file->read(0, PointFile::kPiece, [&](const PointRecords& records) {
     context.progress.throw_if_cancelled();
-    const OrientedPoints points = orient(records, context.pool);
-    for (std::size_t k = 0; k < points.count; ++k) {
-      int column = 0;
-      int row = 0;
-      if (locator.locate(points.x[k], points.y[k], column, row)) ++row_points_[static_cast<std::size_t>(row)];
-    }
+    (void)for_each_in_bins(locator, orient(records, context.pool),
+                           [&](std::size_t, std::size_t row) { ++row_points_[row]; });
   });
   Bytes bytes;
   append(bytes, row_points_.data(), row_points_.size() * sizeof(std::uint64_t));
@@ -121,13 +117,7 @@ void TiledProjection::exchange_points(const std::function<void(const float* reco
       ends[r] = to[r].size();
       if (r != ranks_->number()) to[r].resize(ends[r] + points.count * sent_bytes);
     }
-    for (std::size_t k = 0; k < points.count; ++k) {
-      int column = 0;
-      int row = 0;
-      if (!locator.locate(points.x[k], points.y[k], column, row)) {
-        ++beyond_;
-        continue;
-      }
+    beyond_ += for_each_in_bins(locator, points, [&](std::size_t k, std::size_t row) {
       const auto number = static_cast<std::uint32_t>(row);
       for (std::size_t r = 0; r < rows.size(); ++r) {
         if (number < rows[r].first || number >= rows[r].last) continue;
@@ -139,7 +129,7 @@ void TiledProjection::exchange_points(const std::function<void(const float* reco
         std::memcpy(to[r].data() + ends[r] + sizeof(number), records.xyz(k), record_bytes);
         ends[r] += sent_bytes;
       }
-    }
+    });
     for (std::size_t r = 0; r < to.size(); ++r) to[r].resize(ends[r]);
     (void)exchange();
   });

@@ -118,15 +118,7 @@ void TiledProjection::fill_buckets(const std::filesystem::path& folder, const Co
     const double done = static_cast<double>(records.first) / static_cast<double>(cloud_.size());
     context.progress.at(kPlanned + (kBucketed - kPlanned) * done);
     const OrientedPoints points = orient(records, context.pool);
-    for (std::size_t k = 0; k < points.count; ++k) {
-      int column = 0;
-      int row = 0;
-      if (!locator.locate(points.x[k], points.y[k], column, row)) {
-        ++beyond_;
-        continue;
-      }
-      put(records.xyz(k), static_cast<std::size_t>(row));
-    }
+    beyond_ += for_each_in_bins(locator, points, [&](std::size_t k, std::size_t row) { put(records.xyz(k), row); });
   });
   points_.file->finish();
   cloud_.file.reset();

@@ -78,6 +78,21 @@ class TiledProjection {
   void decide_classes(const Context& context, Projection& projection);
   class OutliersOfBuckets;
   [[nodiscard]] OrientedPoints orient(const PointRecords& records, ThreadPool& pool) const;
+  /// Calls `use(k, row)` with the points within the bins, in their order; how many lie beyond.
+  template <typename Use>
+  static std::uint64_t for_each_in_bins(const BinLocator& locator, const OrientedPoints& points, const Use& use) {
+    std::uint64_t beyond = 0;
+    for (std::size_t k = 0; k < points.count; ++k) {
+      int column = 0;
+      int row = 0;
+      if (locator.locate(points.x[k], points.y[k], column, row)) {
+        use(k, static_cast<std::size_t>(row));
+      } else {
+        ++beyond;
+      }
+    }
+    return beyond;
+  }
 
   /// What a tile needs, the next one needs again. Not for discs, which take their memory step by step.
   [[nodiscard]] MemoryStore* tile_store() const { return plan_.discs ? nullptr : &tile_memory_; }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/scan/formats/text/column_shapes.h"
+#include "pipeline/scan/formats/text/file_rows.h"
 #include "pipeline/scan/formats/text/first_lines.h"
 #include "pipeline/scan/formats/text/header.h"
 #include "pipeline/scan/formats/text/raster_indices.h"
@@ -307,15 +308,7 @@ class Inspector {
 
   [[nodiscard]] bool runs_along_grid(std::size_t fast) const {
     RasterIndices indices(fast);
-    LineReader lines(file_.bytes);
-    std::string_view line;
-    TableRow row;
-    std::size_t seen = 0;
-    while (lines.next(line)) {
-      if ((++seen & 0xFFFF) == 0) file_.throw_if_cancelled();
-      if (parse_table_row(line, layout_.style, row) == RowKind::numbers && !indices.add(row)) return false;
-    }
-    return indices.found();
+    return for_each_row(file_, layout_.style, [&](const TableRow& row) { return indices.add(row); }) && indices.found();
   }
 
   const ScanFile& file_;

@@ -1,4 +1,5 @@
 #include "pipeline/scan/formats/text/xyz.h"
+#include "pipeline/scan/formats/text/file_rows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -153,16 +154,10 @@ class Reader {
   bool is_no_data(double z) {
     if (!looked_for_no_data_) {
       looked_for_no_data_ = true;
-      LineReader lines(file_.bytes);
-      std::string_view line;
-      TableRow row;
-      std::size_t seen = 0;
-      while (lines.next(line)) {
-        if ((++seen & 0xFFFF) == 0) file_.throw_if_cancelled();
-        if (parse_table_row(line, layout_.style, row) == RowKind::numbers && row.has_number(columns().z)) {
-          no_data_values_.add(row.values[static_cast<std::size_t>(columns().z)]);
-        }
-      }
+      for_each_row(file_, layout_.style, [&](const TableRow& row) {
+        if (row.has_number(columns().z)) no_data_values_.add(row.values[static_cast<std::size_t>(columns().z)]);
+        return true;
+      });
       no_data_values_.decide();
     }
     return no_data_values_.contains(z);

@@ -81,4 +81,14 @@ inline bool says(const Device& device, const std::string& phrase) {
   return eventually([&] { return device.advice() != nullptr && device.advice()->phrase == phrase; });
 }
 
+/// A service whose settings cannot be trusted is told of, asked on, and never commanded a force.
+inline void expect_no_force_from(const emulator::HaplyOptions& options) {
+  Service emulated(options);
+  const auto device = make_haply_device(emulated.client);
+  const Running run(*device);
+  ASSERT_TRUE(says(*device, "device_not_set_up"));
+  ASSERT_TRUE(eventually([&] { return emulated.service->commands() > 500; }));
+  EXPECT_EQ(emulated.service->strongest_n(), 0.0);
+}
+
 }  // namespace sparsha::haptics::haply

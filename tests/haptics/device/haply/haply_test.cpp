@@ -266,12 +266,7 @@ TEST(Haply, AGateThatTakesForceAwayIsSaidAndRecorded) {
 TEST(Haply, SettingsThatCannotBeReadBackAreNoForce) {
   emulator::HaplyOptions options;
   options.keeps_settings = true;
-  Service emulated(options);
-  const auto device = make_haply_device(emulated.client);
-  const Running run(*device);
-  ASSERT_TRUE(says(*device, "device_not_set_up"));
-  ASSERT_TRUE(eventually([&] { return emulated.service->commands() > 500; }));
-  EXPECT_EQ(emulated.service->strongest_n(), 0.0);
+  expect_no_force_from(options);
 }
 
 TEST(Haply, AnOlderServiceIsTouchedWithTheWordsItKnowsAndTheMissingEventsAreSaid) {

@@ -52,12 +52,7 @@ TEST(HaplySettings, AreSetInTheFirstMessageAndAskedForAfterwards) {
 TEST(HaplySettings, AConfigurationWithoutAPresetIsNoForce) {
   emulator::HaplyOptions options;
   options.no_preset = true;
-  Service emulated(options);
-  const auto device = make_haply_device(emulated.client);
-  const Running run(*device);
-  ASSERT_TRUE(says(*device, "device_not_set_up"));
-  ASSERT_TRUE(eventually([&] { return emulated.service->commands() > 500; }));
-  EXPECT_EQ(emulated.service->strongest_n(), 0.0);
+  expect_no_force_from(options);
 }
 
 TEST(HaplySettings, AServiceOfOtherWordsIsFeltWithItsGrip) {
