@@ -10,6 +10,7 @@
 #include <random>
 
 #include "tests/support/sanitized.h"
+#include "tests/support/test_folder.h"
 #include "tests/viewer/relief_scene.h"
 #include "tests/viewer/studio.h"
 #include "viewer/kiosk/attract.h"
@@ -29,8 +30,22 @@ double resident_mb() {
   return resident * 4096.0 / 1e6;
 }
 
+/// What visitors save goes to the present folder: one of its own.
+class PresentFolder {
+ public:
+  PresentFolder() { std::filesystem::current_path(folder_.path()); }
+  ~PresentFolder() { std::filesystem::current_path(before_); }
+  PresentFolder(const PresentFolder&) = delete;
+  PresentFolder& operator=(const PresentFolder&) = delete;
+
+ private:
+  std::filesystem::path before_ = std::filesystem::current_path();
+  sparsha::test::TestFolder folder_;
+};
+
 TEST(Kiosk, ADayOfVisitorsLeavesNothingBehind) {
   if (!std::filesystem::exists("/proc/self/statm")) GTEST_SKIP() << "memory is read from /proc";
+  const PresentFolder present;
   const int visitors = std::getenv("SPARSHA_NIGHTLY") != nullptr ? 600 : 12;  // a minute each
   const std::array<scene::ScenePointer, 3> scenes{
       scene_of(lotus, {201, 201, 0.002, 2}),

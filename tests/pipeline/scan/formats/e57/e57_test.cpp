@@ -6,137 +6,21 @@
 
 #include <gmock/gmock.h>
 
-#include "base/png.h"
 #include "pipeline/scan/formats/e57/pages.h"
-#include "pipeline/scan/writer.h"
-#include "tests/support/scan_files.h"
+#include "tests/pipeline/scan/formats/e57/e57_file.h"
 
 namespace sparsha::pipeline {
 namespace {
 
+using testing::Bits;
+using testing::E57File;
 using ::testing::ElementsAre;
 using testing::error_of_bytes;
 using testing::expect_refused;
 using ::testing::HasSubstr;
-using testing::put;
+using testing::reals;
 using testing::ScanFolder;
-
-/// CRC-32C bit by bit.
-std::uint32_t slow_crc32c(std::string_view bytes) {
-  std::uint32_t crc = 0xFFFFFFFFU;
-  for (const char c : bytes) {
-    crc ^= static_cast<unsigned char>(c);
-    for (int bit = 0; bit < 8; ++bit) crc = (crc & 1U) != 0 ? crc >> 1 ^ 0x82F63B78U : crc >> 1;
-  }
-  return ~crc;
-}
-
-/// Bits of one field, least significant first.
-class Bits {
- public:
-  void add(std::uint64_t value, int count) {
-    for (int i = 0; i < count; ++i) {
-      if (filled_ % 8 == 0) bytes_ += '\0';
-      if ((value >> i & 1) != 0) bytes_.back() = static_cast<char>(bytes_.back() | (1 << (filled_ % 8)));
-      ++filled_;
-    }
-  }
-  [[nodiscard]] const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_;
-  std::size_t filled_ = 0;
-};
-
-struct E57File {
-  std::string prototype;
-  std::string before_points;  ///< XML beside the points: pose, limits
-  std::string beside;         ///< XML of the first scan's file, beside the scans
-  std::string blob;           ///< of the first scan's file, at byte 48
-  std::vector<std::string> streams;
-  std::string codecs;  ///< XML
-  std::uint64_t records = 0;
-  std::size_t per_packet = 1000;  ///< bytes of each stream in a packet
-
-  [[nodiscard]] std::string bytes() const { return bytes_of({*this}); }
-
-  /// The compressed vector that begins at byte `at` of the pages' contents.
-  [[nodiscard]] std::string section(std::size_t at) const {
-    std::string packets;
-    std::size_t longest = 0;
-    for (const std::string& s : streams) longest = std::max(longest, s.size());
-    for (std::size_t from = 0; from < longest; from += per_packet) {
-      std::string body;
-      std::string lengths;
-      for (const std::string& s : streams) {
-        const std::string piece = from < s.size() ? s.substr(from, per_packet) : "";
-        put(lengths, static_cast<std::uint16_t>(piece.size()));
-        body += piece;
-      }
-      std::string packet = std::string("\x01\x00", 2);
-      std::size_t size = 6 + lengths.size() + body.size();
-      const std::size_t padding = (4 - size % 4) % 4;
-      size += padding;
-      put(packet, static_cast<std::uint16_t>(size - 1));
-      put(packet, static_cast<std::uint16_t>(streams.size()));
-      packets += packet + lengths + body + std::string(padding, '\0');
-    }
-    std::string section;
-    put(section, std::uint64_t{1});  // section of a compressed vector
-    put(section, static_cast<std::uint64_t>(32 + packets.size()));
-    put(section, physical(at + 32));  // the packets follow at once
-    put(section, std::uint64_t{0});
-    return section + packets;
-  }
-  static std::uint64_t physical(std::size_t logical) { return logical / 1020 * 1024 + logical % 1020; }
-
-  /// A file of several scans.
-  static std::string bytes_of(const std::vector<E57File>& scans) {
-    std::string logical(48, '\0');
-    if (const std::string& blob = scans.front().blob; !blob.empty()) {
-      put(logical, std::uint64_t{0});
-      put(logical, static_cast<std::uint64_t>(16 + blob.size()));
-      logical += blob + std::string((4 - blob.size() % 4) % 4, '\0');
-    }
-    std::string xml = "<?xml version=\"1.0\"?><e57Root type=\"Structure\"><data3D type=\"Vector\">";
-    for (const E57File& scan : scans) {
-      xml += "<vectorChild type=\"Structure\">" + scan.before_points +
-             "<points type=\"CompressedVector\" fileOffset=\"" + std::to_string(physical(logical.size())) +
-             "\" recordCount=\"" + std::to_string(scan.records) + "\"><prototype type=\"Structure\">" + scan.prototype +
-             "</prototype><codecs type=\"Vector\">" + scan.codecs + "</codecs></points></vectorChild>";
-      logical += scan.section(logical.size());
-    }
-    xml += "</data3D>" + scans.front().beside + "</e57Root>";
-    const std::size_t xml_at = logical.size();
-    logical += xml;
-    logical.resize((logical.size() + 1019) / 1020 * 1020, ' ');
-    std::string head = "ASTM-E57";
-    put(head, std::uint32_t{1});
-    put(head, std::uint32_t{0});
-    put(head, static_cast<std::uint64_t>(logical.size() / 1020 * 1024));
-    put(head, physical(xml_at));
-    put(head, static_cast<std::uint64_t>(xml.size()));
-    put(head, std::uint64_t{1024});
-    logical.replace(0, 48, head);
-    return with_checksums(logical);
-  }
-
-  static std::string with_checksums(const std::string& logical) {
-    std::string physical;
-    for (std::size_t at = 0; at < logical.size(); at += 1020) {
-      const std::string page = logical.substr(at, 1020);
-      physical += page;
-      put(physical, slow_crc32c(page), true);
-    }
-    return physical;
-  }
-};
-
-std::string reals(const std::vector<double>& values, bool single) {
-  std::string bytes;
-  for (const double v : values) single ? put(bytes, static_cast<float>(v)) : put(bytes, v);
-  return bytes;
-}
+using testing::slow_crc32c;
 
 TEST(Crc32c, MatchesTheBitwiseDefinitionAndItsCheckValue) {
   EXPECT_EQ(e57::crc32c("123456789"), 0xE3069283U);
@@ -415,105 +299,6 @@ TEST(E57Reader, NotesSayWhoWroteAndScannedItAndWhatIsNotRead) {
                                                  "E57: 1 scan positions", "E57: rows 0 to 99, columns 0 to 199",
                                                  "E57: 3 pictures, which are not read, 2 pinhole, 1 spherical"));
   EXPECT_THAT(folder.read("b.e57", E57File::bytes_of({coloured_station("b", {4})})).notes, ::testing::IsEmpty());
-}
-
-/// A picture of 8 x 4 pixels, each with its column and row in red and green.
-std::string small_picture() {
-  std::vector<std::uint8_t> pixels;
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 8; ++column) {
-      for (const int value : {30 * column, 60 * row, 7}) pixels.push_back(static_cast<std::uint8_t>(value));
-    }
-  }
-  PngFormat format;
-  format.width = 8;
-  format.height = 4;
-  return encode_png(format, pixels);
-}
-
-std::string image_xml(const std::string& form, std::size_t bytes, const std::string& numbers, const char* guid,
-                      const char* z) {
-  return "<vectorChild type=\"Structure\"><associatedData3DGuid type=\"String\">" + std::string(guid) +
-         "</associatedData3DGuid><pose type=\"Structure\"><translation type=\"Structure\"><x "
-         "type=\"Float\">10</x><z type=\"Float\">" +
-         z + "</z></translation></pose><" + form +
-         " type=\"Structure\"><imageWidth type=\"Integer\">8</imageWidth><imageHeight "
-         "type=\"Integer\">4</imageHeight>" +
-         numbers + "<pngImage type=\"Blob\" fileOffset=\"48\" length=\"" + std::to_string(bytes) + "\"/></" + form +
-         "></vectorChild>";
-}
-
-/// A scan without colours at (10, 0, 1), whose points lie in these directions from it, two metres away.
-E57File grey_station(const std::vector<Eigen::Vector3d>& directions) {
-  E57File file;
-  for (const char* name : {"cartesianX", "cartesianY", "cartesianZ"})
-    file.prototype += "<" + std::string(name) + " type=\"Float\"/>";
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    std::vector<double> values;
-    for (const Eigen::Vector3d& d : directions) values.push_back(2.0 * d[k]);
-    file.streams.push_back(reals(values, false));
-  }
-  file.records = directions.size();
-  file.before_points =
-      "<guid type=\"String\">{a}</guid><pose type=\"Structure\"><translation type=\"Structure\"><x "
-      "type=\"Float\">10</x><z type=\"Float\">1</z></translation></pose>";
-  return file;
-}
-
-TEST(E57Pictures, PinholeAndSphericalOnesColourPointsThatHaveNone) {
-  const ScanFolder folder;
-  const std::string picture = small_picture();
-  // A pixel is a quarter of the focal length wide and high: the middle of column 6, row 0 is 2.5 pixels right of the
-  // axis and 1.5 above.
-  const std::vector<Eigen::Vector3d> seen = {
-      {2.5 / 4, 1.5 / 4, -1}, {-3.5 / 4, -1.5 / 4, -1}, {5.0 / 4, 0, -1}, {0.1, 0.1, 1}};
-  E57File pinhole = grey_station(seen);
-  pinhole.blob = picture;
-  const std::string numbers =
-      "<focalLength type=\"Float\">0.02</focalLength><pixelWidth type=\"Float\">0.005</pixelWidth><pixelHeight "
-      "type=\"Float\">0.005</pixelHeight><principalPointX type=\"Float\">4</principalPointX><principalPointY "
-      "type=\"Float\">2</principalPointY>";
-  const auto with = [&](E57File file, const std::string& image) {
-    file.beside = "<images2D type=\"Vector\">" + image + "</images2D>";
-    return folder.read("a.e57", file.bytes());
-  };
-  const RawScan scan = with(pinhole, image_xml("pinholeRepresentation", picture.size(), numbers, "{a}", "1"));
-  EXPECT_THAT(scan.rgba, ElementsAre(pack_rgba(180, 0, 7), pack_rgba(0, 180, 7), kNoColour, kNoColour));
-  EXPECT_THAT(scan.notes, ::testing::Contains("E57: 1 pictures, of which 1 give points their colour, 1 pinhole"));
-
-  // The whole sphere: a pixel is an eighth of a turn wide. Column 1 has azimuth 5/16 of a turn, to the left.
-  const double azimuth = 2.5 * std::numbers::pi / 4, elevation = -0.5 * std::numbers::pi / 4;
-  E57File sphere = grey_station(
-      {{std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation), std::sin(elevation)}});
-  sphere.blob = picture;
-  const std::string eighths =
-      "<pixelWidth type=\"Float\">0.7853981633974483</pixelWidth><pixelHeight "
-      "type=\"Float\">0.7853981633974483</pixelHeight>";
-  EXPECT_THAT(with(sphere, image_xml("sphericalRepresentation", picture.size(), eighths, "{a}", "1")).rgba,
-              ElementsAre(pack_rgba(30, 120, 7)));
-  // Of another scan, and from too far away.
-  EXPECT_TRUE(with(sphere, image_xml("sphericalRepresentation", picture.size(), eighths, "{b}", "1")).rgba.empty());
-  EXPECT_TRUE(with(sphere, image_xml("sphericalRepresentation", picture.size(), eighths, "{a}", "1.6")).rgba.empty());
-}
-
-TEST(E57Pictures, DamageIsAWarningAndThePointsAreRead) {
-  const ScanFolder folder;
-  const std::string picture = small_picture();
-  E57File file = grey_station({{1, 0, 0}});
-  file.blob = picture.substr(0, picture.size() / 2);
-  const auto read = [&](std::size_t bytes, const char* width) {
-    const std::string numbers = "<pixelWidth type=\"Float\">" + std::string(width) +
-                                "</pixelWidth><pixelHeight type=\"Float\">0.7</pixelHeight>";
-    file.beside =
-        "<images2D type=\"Vector\">" + image_xml("sphericalRepresentation", bytes, numbers, "{a}", "1") + "</images2D>";
-    return folder.read("a.e57", file.bytes());
-  };
-  for (const std::size_t bytes : {file.blob.size(), std::size_t{1} << 40U, std::size_t{0}}) {
-    const RawScan scan = read(bytes, "0.7");
-    EXPECT_EQ(scan.points.size(), 1U);
-    EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("picture 1 of the file is not used")));
-  }
-  EXPECT_THAT(read(file.blob.size(), "0").warnings, ElementsAre(HasSubstr("size of its pixels")));
 }
 
 }  // namespace
