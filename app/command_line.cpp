@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "app/terminal/terminal.h"
-#include "base/yaml.h"
+#include "base/yaml/yaml.h"
 
 namespace sparsha::app {
 namespace {

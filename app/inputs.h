@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/progress.h"
+#include "base/files/files.h"
+#include "base/threads/progress.h"
 #include "pipeline/build/build.h"
 #include "scene/scene_fwd.h"
 

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "base/error.h"
-#include "scene/regions.h"
+#include "scene/area/regions.h"
+#include "scene/material/sound_limits.h"
 #include "scene/scene.h"
-#include "scene/sound_limits.h"
 
 namespace sparsha::audio {
 namespace {

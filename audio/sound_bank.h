@@ -11,13 +11,13 @@
 
 #include "audio/clip/clip.h"
 #include "audio/modal/modal.h"
-#include "scene/area.h"
+#include "scene/area/area.h"
 #include "scene/config/cues.h"
 #include "scene/scene_fwd.h"
 
 namespace sparsha::audio {
 
-/// One region, in the regions' frame (scene/regions.h): an area, or everywhere; nowhere it is never struck.
+/// One region, in the regions' frame (scene/area/regions.h): an area, or everywhere; nowhere it is never struck.
 struct SoundRegion {
   std::string name;
   scene::Area area;

@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-#include "base/files.h"
+#include "base/files/files.h"
 #include "emulator/usb_descriptors.h"
 #include "emulator/usb_port.h"
 #endif

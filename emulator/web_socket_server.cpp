@@ -6,8 +6,8 @@
 #include <chrono>
 #include <utility>
 
-#include "base/base64.h"
-#include "base/lower_case.h"
+#include "base/text/base64.h"
+#include "base/text/lower_case.h"
 
 namespace sparsha::emulator {
 namespace {

@@ -11,9 +11,9 @@
 
 #include <Eigen/Geometry>
 
-#include "base/csv.h"
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
+#include "base/text/csv.h"
 
 namespace sparsha::protocol {
 namespace {

@@ -5,10 +5,10 @@
 #include <string_view>
 #include <utility>
 
-#include "base/csv.h"
-#include "base/files.h"
-#include "base/statistics.h"
-#include "base/text.h"
+#include "base/files/files.h"
+#include "base/numbers/statistics.h"
+#include "base/text/csv.h"
+#include "base/text/text.h"
 #include "protocol/benchmark.h"
 #include "protocol/table_reader.h"
 

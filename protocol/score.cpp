@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 
 namespace sparsha::protocol {
 

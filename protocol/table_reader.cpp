@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "base/csv.h"
-#include "base/text.h"
+#include "base/text/csv.h"
+#include "base/text/text.h"
 
 namespace sparsha::protocol {
 namespace {

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "base/error.h"
-#include "scene/regions.h"
-#include "scene/window_lattice.h"
+#include "scene/area/regions.h"
+#include "scene/ground/window_lattice.h"
 
 namespace sparsha::scene {
 namespace {

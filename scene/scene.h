@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "scene/area.h"
+#include "scene/area/area.h"
 #include "scene/charts.h"
 #include "scene/check_map.h"
 #include "scene/config/config.h"
@@ -44,7 +44,7 @@ struct SceneDescription {
   /// The whole object, in the grid frame; null without a block `around`.
   std::shared_ptr<const Charts> charts{};
   /// The label image where parts have labels, and where each part lies, in their order: made ready when a Scene is
-  /// made of this description (make_areas() of scene/regions.h).
+  /// made of this description (make_areas() of scene/area/regions.h).
   std::shared_ptr<const LabelMap> label_map{};
   std::shared_ptr<const std::vector<Area>> part_areas{};
   bool has_envelope = false;

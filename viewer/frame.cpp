@@ -12,9 +12,9 @@
 
 #include <Eigen/Geometry>
 
-#include "base/text.h"
+#include "base/text/text.h"
+#include "scene/frame/workspace.h"
 #include "scene/scene.h"
-#include "scene/workspace.h"
 
 namespace sparsha::viewer {
 

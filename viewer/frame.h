@@ -8,10 +8,10 @@
 #include "haptics/state/requests.h"
 #include "haptics/state/state.h"
 #include "scene/config/viewer.h"
-#include "viewer/actions.h"
-#include "viewer/camera.h"
+#include "viewer/actions/actions.h"
+#include "viewer/camera/camera.h"
 #include "viewer/marks/marks.h"
-#include "viewer/strip.h"
+#include "viewer/overlay/strip.h"
 #include "viewer/surface/look.h"
 #include "viewer/surface/paint.h"
 

@@ -11,7 +11,7 @@
 
 #include "haptics/state/state.h"
 #include "scene/scene_fwd.h"
-#include "viewer/camera.h"
+#include "viewer/camera/camera.h"
 
 namespace sparsha::viewer {
 

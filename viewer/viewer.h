@@ -17,7 +17,7 @@
 #include "scene/config/viewer.h"
 #include "scene/scene_fwd.h"
 #include "viewer/cloud/point_view.h"
-#include "viewer/strip.h"
+#include "viewer/overlay/strip.h"
 
 namespace sparsha::viewer {
 

@@ -17,7 +17,7 @@
 #include "app/words/sentences.h"
 #include "audio/sound_bank.h"
 #include "base/error.h"
-#include "base/paths.h"
+#include "base/files/paths.h"
 #include "base/system.h"
 #include "pipeline/build/build.h"
 #include "pipeline/build/on_ranks.h"

@@ -8,7 +8,7 @@
 #include "app/commands/sentences.h"
 #include "app/terminal/terminal.h"
 #include "base/error.h"
-#include "base/text.h"
+#include "base/text/text.h"
 #include "pipeline/build/recheck.h"
 #include "scene/scene.h"
 

@@ -14,7 +14,7 @@
 #include "app/terminal/printable.h"
 #include "app/terminal/terminal.h"
 #include "base/error.h"
-#include "base/phrases.h"
+#include "base/phrases/phrases.h"
 #include "haptics/device/kind.h"
 #include "haptics/servo/real_time.h"
 #include "scene/config/config.h"

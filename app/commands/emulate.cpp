@@ -18,7 +18,7 @@
 #include "app/terminal/terminal.h"
 #include "app/words/results.h"
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "base/system.h"
 #include "base/system/process.h"
 #include "emulator/person.h"

@@ -15,7 +15,7 @@
 #include "app/terminal/terminal.h"
 #include "audio/live/stream.h"
 #include "base/error.h"
-#include "base/phrases.h"
+#include "base/phrases/phrases.h"
 #include "viewer/viewer.h"
 
 namespace sparsha::app {

@@ -8,7 +8,7 @@
 #include "app/commands/sentences.h"
 #include "app/inputs.h"
 #include "app/terminal/terminal.h"
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/export/export.h"
 #include "pipeline/export/whole_mesh.h"
 #include "pipeline/replica/replica.h"

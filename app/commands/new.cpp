@@ -3,7 +3,7 @@
 
 #include "app/commands/commands.h"
 #include "app/terminal/terminal.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "base/system/terminal.h"
 #include "pipeline/suggest/suggest.h"
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/text.h"
+#include "base/text/text.h"
 #include "pipeline/scan/cloud.h"
 
 namespace sparsha::app {

@@ -7,7 +7,7 @@
 
 #include "app/commands/point_fields.h"
 #include "app/words/sentences.h"
-#include "base/text.h"
+#include "base/text/text.h"
 #include "pipeline/scan/worth.h"
 #include "scene/scene.h"
 

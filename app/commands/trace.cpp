@@ -15,7 +15,7 @@
 #include "app/inputs.h"
 #include "app/terminal/terminal.h"
 #include "base/error.h"
-#include "base/text.h"
+#include "base/text/text.h"
 #include "haptics/replay/around_trace.h"
 #include "haptics/replay/replay_trace.h"
 #include "haptics/replay/trace.h"

@@ -7,8 +7,8 @@
 
 #include "base/error.h"
 #include "haptics/window/surface.h"
-#include "scene/repeated_read.h"
-#include "scene/unrolling.h"
+#include "scene/folder/repeated_read.h"
+#include "scene/frame/unrolling.h"
 
 namespace sparsha::app {
 namespace {

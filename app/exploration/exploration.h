@@ -19,7 +19,7 @@
 #include "app/terminal/hand_keys.h"
 #include "app/terminal/terminal.h"
 #include "app/terminal/terminal_keys.h"
-#include "base/phrases.h"
+#include "base/phrases/phrases.h"
 #include "base/system/terminal.h"
 #include "haptics/replay/recorded_scenes.h"
 #include "haptics/session/session.h"

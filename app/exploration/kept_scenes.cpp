@@ -1,6 +1,6 @@
 #include "app/exploration/kept_scenes.h"
 
-#include "base/phrases.h"
+#include "base/phrases/phrases.h"
 #include "haptics/replay/kept_folder.h"
 
 namespace sparsha::app {

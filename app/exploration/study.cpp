@@ -11,9 +11,9 @@
 #include <iostream>
 #include <string_view>
 
-#include "base/csv.h"
 #include "base/error.h"
 #include "base/system.h"
+#include "base/text/csv.h"
 
 namespace sparsha::app {
 namespace {

@@ -8,9 +8,9 @@
 #include <variant>
 
 #include "haptics/window/window.h"
-#include "scene/regions.h"
+#include "scene/area/regions.h"
+#include "scene/frame/workspace.h"
 #include "scene/scene.h"
-#include "scene/workspace.h"
 
 namespace sparsha::app {
 namespace {

@@ -15,9 +15,9 @@
 
 #include "app/raw_scans/point_reader.h"
 #include "base/error.h"
-#include "base/files.h"
-#include "base/text.h"
-#include "base/thread_pool.h"
+#include "base/files/files.h"
+#include "base/text/text.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/build/build.h"
 #include "pipeline/orient/face.h"
 #include "pipeline/projection/count_scattered.h"

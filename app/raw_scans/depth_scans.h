@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/build/build.h"
 #include "pipeline/scan/cloud.h"
 #include "scene/config/config.h"

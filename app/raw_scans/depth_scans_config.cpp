@@ -7,7 +7,7 @@
 
 #include "app/raw_scans/depth_scans.h"
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "scene/config/setup_text.h"
 #include "scene/folder/folder.h"
 #include "scene/scene.h"

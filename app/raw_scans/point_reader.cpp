@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "base/error.h"
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 #include "pipeline/scan/empty_scan.h"
 #include "pipeline/scan/set.h"
 #include "pipeline/scan/units.h"

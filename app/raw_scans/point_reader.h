@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/scan/cloud.h"
 #include "scene/config/scans.h"
 #include "viewer/cloud/point_view.h"

@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 
 #include "app/terminal/typed_keys.h"
-#include "base/phrases.h"
+#include "base/phrases/phrases.h"
 #include "haptics/device/steered/steering_script.h"
 #include "haptics/session/navigator.h"
 #include "haptics/state/state.h"

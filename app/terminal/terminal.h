@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "app/commands/commands.h"
-#include "base/progress.h"
+#include "base/threads/progress.h"
 
 namespace sparsha::app {
 

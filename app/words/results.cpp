@@ -1,6 +1,6 @@
 // Formats lengths and counts, and the summary of a build.
 #include "app/words/results.h"
-#include "base/text.h"
+#include "base/text/text.h"
 #include "scene/scene.h"
 
 #include <fmt/format.h>

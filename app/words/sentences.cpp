@@ -6,7 +6,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "base/text.h"
+#include "base/text/text.h"
 #include "scene/scene.h"
 
 namespace sparsha::app {

@@ -8,8 +8,8 @@
 #include "audio/clip/clip.h"
 #include "audio/modal/fit.h"
 #include "base/error.h"
-#include "base/smooth_step.h"
-#include "scene/sound_limits.h"
+#include "base/numbers/smooth_step.h"
+#include "scene/material/sound_limits.h"
 
 namespace sparsha::audio {
 namespace {

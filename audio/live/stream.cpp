@@ -12,8 +12,8 @@
 #include <portaudio.h>
 
 #include "base/error.h"
-#include "base/lower_case.h"
 #include "base/system/library.h"
+#include "base/text/lower_case.h"
 
 namespace sparsha::audio {
 namespace {

@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "audio/decibel.h"
-#include "scene/sound_limits.h"
+#include "scene/material/sound_limits.h"
 
 namespace sparsha::audio {
 namespace {

@@ -12,7 +12,7 @@
 #include <cstddef>
 
 #include "scene/config/audio.h"
-#include "scene/sound_limits.h"
+#include "scene/material/sound_limits.h"
 
 namespace sparsha::audio {
 

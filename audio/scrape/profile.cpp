@@ -7,7 +7,7 @@
 
 #include <Eigen/LU>
 
-#include "scene/measured_spectrum.h"
+#include "scene/material/measured_spectrum.h"
 #include "scene/scene.h"
 
 namespace sparsha::audio {

@@ -9,11 +9,11 @@
 #include <Eigen/Core>
 
 #include "haptics/state/state.h"
+#include "scene/area/region_frame.h"
 #include "scene/depth_grid.h"
-#include "scene/grain_field.h"
-#include "scene/region_frame.h"
+#include "scene/frame/touched_view.h"
+#include "scene/material/grain_field.h"
 #include "scene/scene_fwd.h"
-#include "scene/touched_view.h"
 
 namespace sparsha::audio {
 

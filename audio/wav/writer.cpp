@@ -12,7 +12,7 @@
 #include <sndfile.h>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 
 namespace sparsha::audio {
 namespace {

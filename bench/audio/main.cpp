@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "audio/synth.h"
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "scene/scene.h"
 
 namespace {

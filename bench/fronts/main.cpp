@@ -12,8 +12,8 @@
 #include <Eigen/LU>
 
 #include "base/error.h"
-#include "base/png.h"
-#include "base/progress.h"
+#include "base/png/png.h"
+#include "base/threads/progress.h"
 #include "pipeline/scan/statistics.h"
 #include "pipeline/scan/units.h"
 #include "pipeline/suggest/suggest.h"

@@ -11,11 +11,11 @@
 
 #include <Eigen/Geometry>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "bench/haptics/free_hand.h"
 #include "haptics/servo/haptic_renderer.h"
 #include "haptics/window/window.h"
-#include "scene/workspace.h"
+#include "scene/frame/workspace.h"
 #include "tests/support/scenes.h"
 #include "tests/support/servo_parts.h"
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "bench/haptics/free_hand.h"
 #include "haptics/servo/haptic_renderer.h"
 #include "haptics/window/window.h"

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "bench/haptics/drag.h"
 #include "bench/haptics/edges.h"
 #include "bench/haptics/figures.h"

@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "scene/scene_fwd.h"
 #include "tests/support/touch_loop.h"
 

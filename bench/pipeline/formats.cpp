@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "bench/pipeline/run.h"
 #include "pipeline/scan/formats/e57/pages.h"
 #include "pipeline/scan/reader.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "base/files.h"
+#include "base/files/files.h"
 #include "base/system.h"
 #include "bench/pipeline/judge.h"
 #include "bench/pipeline/process.h"

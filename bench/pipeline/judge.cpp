@@ -1,6 +1,6 @@
 // Errors in classes: everywhere, away from steps, on smooth parts, beside bars.
 #include "bench/pipeline/judge.h"
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 
 #include <algorithm>
 #include <cmath>

@@ -12,8 +12,8 @@
 #include <numbers>
 #include <random>
 
-#include "base/statistics.h"
-#include "base/yaml.h"
+#include "base/numbers/statistics.h"
+#include "base/yaml/yaml.h"
 #include "bench/pipeline/run.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/scan/reader.h"

@@ -15,7 +15,7 @@
 #include <pcl/point_types.h>
 #include <pcl/kdtree/impl/kdtree_flann.hpp>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "bench/pipeline/disc_list.h"
 #include "bench/pipeline/pcl_normals.h"
 #include "bench/pipeline/run.h"

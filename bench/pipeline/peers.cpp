@@ -5,7 +5,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "bench/pipeline/cloudcompare.h"
 #include "bench/pipeline/contest.h"
 #include "bench/pipeline/judge.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 
 namespace sparsha::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <thread>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "bench/report/turns.h"
 
 namespace sparsha::bench {

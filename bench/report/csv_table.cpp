@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "base/csv.h"
-#include "base/html.h"
+#include "base/text/csv.h"
+#include "base/text/html.h"
 
 namespace sparsha::bench {
 

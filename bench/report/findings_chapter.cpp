@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "base/html.h"
+#include "base/text/html.h"
 #include "bench/report/chapters.h"
 #include "bench/report/csv_table.h"
 

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "base/html.h"
+#include "base/text/html.h"
 
 namespace sparsha::bench {
 namespace {

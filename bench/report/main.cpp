@@ -8,8 +8,8 @@
 #include <string>
 #include <thread>
 
-#include "base/html.h"
 #include "base/system.h"
+#include "base/text/html.h"
 #include "bench/report/chapters.h"
 #include "bench/report/html.h"
 

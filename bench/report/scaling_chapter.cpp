@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "base/html.h"
+#include "base/text/html.h"
 #include "bench/report/chapters.h"
 #include "bench/report/csv_table.h"
 #include "bench/report/exponent.h"

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/csv.h"
+#include "base/text/csv.h"
 
 namespace sparsha::bench {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 
 namespace sparsha::bench {
 namespace {

@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 
 #include "haptics/governor/governor.h"
-#include "scene/workspace.h"
+#include "scene/frame/workspace.h"
 
 namespace sparsha::haptics {
 

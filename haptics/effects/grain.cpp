@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/smooth_step.h"
+#include "base/numbers/smooth_step.h"
 
 namespace sparsha::haptics {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "scene/grain_field.h"
+#include "scene/material/grain_field.h"
 
 namespace sparsha::haptics {
 

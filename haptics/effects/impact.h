@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "scene/materials.h"
+#include "scene/material/materials.h"
 
 namespace sparsha::haptics {
 

@@ -8,11 +8,11 @@
 #include <Eigen/Core>
 
 #include "haptics/effects/grain.h"
-#include "scene/area.h"
+#include "scene/area/area.h"
+#include "scene/area/region_frame.h"
 #include "scene/config/cues.h"
 #include "scene/depth_grid.h"
-#include "scene/materials.h"
-#include "scene/region_frame.h"
+#include "scene/material/materials.h"
 
 namespace sparsha::haptics {
 

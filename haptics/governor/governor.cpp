@@ -4,7 +4,7 @@
 #include <numbers>
 #include <utility>
 
-#include "base/smooth_step.h"
+#include "base/numbers/smooth_step.h"
 #include "haptics/governor/clamped.h"
 
 namespace sparsha::haptics {

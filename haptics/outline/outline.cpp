@@ -8,9 +8,9 @@
 #include <numbers>
 #include <utility>
 
-#include "scene/continuation.h"
-#include "scene/contours.h"
 #include "scene/depth_grid.h"
+#include "scene/ground/continuation.h"
+#include "scene/ground/contours.h"
 
 namespace sparsha::haptics {
 namespace {

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "base/csv.h"
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
+#include "base/text/csv.h"
 #include "haptics/replay/trace.h"
 
 namespace sparsha::haptics {

@@ -6,8 +6,8 @@
 #include <system_error>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/yaml.h"
+#include "base/files/files.h"
+#include "base/yaml/yaml.h"
 #include "scene/config/config.h"
 #include "scene/folder/folder.h"
 

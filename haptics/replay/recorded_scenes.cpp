@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "haptics/replay/kept_folder.h"
 #include "scene/scene.h"
 

@@ -12,7 +12,7 @@
 #include <unordered_set>
 #include <vector>
 
-#include "base/files.h"
+#include "base/files/files.h"
 #include "haptics/device/device.h"
 #include "haptics/servo/record.h"
 #include "haptics/state/spsc_queue.h"

@@ -7,10 +7,10 @@
 #include <string>
 #include <string_view>
 
-#include "base/csv.h"
 #include "base/error.h"
-#include "base/files.h"
-#include "base/statistics.h"
+#include "base/files/files.h"
+#include "base/numbers/statistics.h"
+#include "base/text/csv.h"
 #include "haptics/state/state.h"
 #include "scene/scene.h"
 

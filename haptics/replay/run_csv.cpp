@@ -1,7 +1,7 @@
 // How a row of run.csv looks (docs/formats.md): 17 significant digits, so that reading gives back the same bits.
 #include <cmath>
 
-#include "base/csv.h"
+#include "base/text/csv.h"
 #include "haptics/replay/recorder.h"
 
 namespace sparsha::haptics {

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/files.h"
+#include "base/files/files.h"
 #include "haptics/replay/kept_folder.h"
 #include "scene/scene_fwd.h"
 

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <utility>
 
-#include "base/csv.h"
-#include "base/files.h"
-#include "base/statistics.h"
+#include "base/files/files.h"
+#include "base/numbers/statistics.h"
+#include "base/text/csv.h"
 #include "haptics/proxy/rest_residual.h"
 
 namespace sparsha::haptics {

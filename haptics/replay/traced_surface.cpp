@@ -10,9 +10,9 @@
 #include "base/error.h"
 #include "haptics/window/surface.h"
 #include "haptics/window/window.h"
+#include "scene/frame/workspace.h"
+#include "scene/ground/window_lattice.h"
 #include "scene/scene.h"
-#include "scene/window_lattice.h"
-#include "scene/workspace.h"
 
 namespace sparsha::haptics {
 

@@ -11,7 +11,7 @@
 #include "haptics/guide/guide_path.h"
 #include "haptics/state/spsc_queue.h"
 #include "haptics/surface/monge_surface.h"
-#include "scene/region_frame.h"
+#include "scene/area/region_frame.h"
 
 namespace sparsha::haptics {
 

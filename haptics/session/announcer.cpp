@@ -6,10 +6,10 @@
 #include <numbers>
 #include <utility>
 
-#include "base/text.h"
+#include "base/text/text.h"
 #include "haptics/state/stone_gives.h"
 #include "haptics/state/vectors.h"
-#include "scene/regions.h"
+#include "scene/area/regions.h"
 #include "scene/scene.h"
 
 namespace sparsha::haptics {

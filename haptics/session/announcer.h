@@ -10,7 +10,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/phrases.h"
+#include "base/phrases/phrases.h"
 #include "haptics/effects/part_watch.h"
 #include "haptics/state/requests.h"
 #include "haptics/state/state.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "haptics/outline/outline.h"
-#include "scene/regions.h"
+#include "scene/area/regions.h"
 #include "scene/scene.h"
 
 namespace sparsha::haptics {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "base/phrases.h"
+#include "base/phrases/phrases.h"
 #include "haptics/guide/guide_path.h"
 #include "scene/scene_fwd.h"
 

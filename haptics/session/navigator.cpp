@@ -9,7 +9,7 @@
 
 #include "haptics/around/object_surface.h"
 #include "haptics/state/vectors.h"
-#include "scene/regions.h"
+#include "scene/area/regions.h"
 #include "scene/scene.h"
 
 namespace sparsha::haptics {

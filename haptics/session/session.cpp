@@ -28,7 +28,7 @@
 #include "haptics/session/relief_words.h"
 #include "haptics/session/summary.h"
 #include "haptics/session/window_loader.h"
-#include "scene/regions.h"
+#include "scene/area/regions.h"
 #include "scene/scene.h"
 
 namespace sparsha::haptics {

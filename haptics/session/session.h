@@ -11,7 +11,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/phrases.h"
+#include "base/phrases/phrases.h"
 #include "haptics/device/device.h"
 #include "haptics/replay/recorded_scenes.h"
 #include "haptics/servo/command.h"

@@ -10,7 +10,7 @@
 #include <string>
 #include <thread>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "haptics/servo/command.h"
 #include "haptics/window/window.h"
 #include "scene/scene_fwd.h"

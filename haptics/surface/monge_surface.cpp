@@ -8,8 +8,8 @@
 
 #include "base/error.h"
 #include "haptics/surface/large_pages.h"
-#include "scene/beyond.h"
-#include "scene/fingertip.h"
+#include "scene/ground/beyond.h"
+#include "scene/ground/fingertip.h"
 
 namespace sparsha::haptics {
 namespace {

@@ -61,7 +61,7 @@ struct SurfaceParts {
   double scale = 1.0;                    ///< device metres per grid metre
   double tip_radius_m = 0.0;             ///< of the ball that touches, device frame; 0: a point
   scene::HapticsConfig::Beyond beyond = scene::HapticsConfig::Beyond::continued;  ///< outlines
-  double hole_m = 0.0;  ///< grid frame; what is narrower is continued in any case (scene/beyond.h)
+  double hole_m = 0.0;  ///< grid frame; what is narrower is continued in any case (scene/ground/beyond.h)
   int margin = 0;       ///< height_m reaches so many nodes beyond the lattice on every side, for the ball to touch
   int level = 0;
   std::uint64_t id = 0;

@@ -4,10 +4,10 @@
 
 #include <Eigen/LU>
 
+#include "scene/area/regions.h"
 #include "scene/config/parts.h"
-#include "scene/continuation.h"
-#include "scene/measured_spectrum.h"
-#include "scene/regions.h"
+#include "scene/ground/continuation.h"
+#include "scene/material/measured_spectrum.h"
 #include "scene/scene.h"
 
 namespace sparsha::haptics {

@@ -7,11 +7,11 @@
 
 #include "base/error.h"
 #include "haptics/surface/large_pages.h"
-#include "scene/friction_law.h"
+#include "scene/frame/touched_view.h"
+#include "scene/frame/workspace.h"
+#include "scene/ground/window_lattice.h"
+#include "scene/material/friction_law.h"
 #include "scene/scene.h"
-#include "scene/touched_view.h"
-#include "scene/window_lattice.h"
-#include "scene/workspace.h"
 
 namespace sparsha::haptics {
 namespace {

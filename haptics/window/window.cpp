@@ -9,11 +9,11 @@
 #include <tuple>
 #include <utility>
 
-#include "scene/repeated_read.h"
+#include "scene/folder/repeated_read.h"
+#include "scene/frame/touched_view.h"
+#include "scene/frame/workspace.h"
+#include "scene/ground/window_lattice.h"
 #include "scene/scene.h"
-#include "scene/touched_view.h"
-#include "scene/window_lattice.h"
-#include "scene/workspace.h"
 
 namespace sparsha::haptics {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "haptics/servo/command.h"
+#include "scene/frame/touched_view.h"
 #include "scene/scene_fwd.h"
-#include "scene/touched_view.h"
 
 namespace sparsha::haptics {
 

@@ -13,10 +13,10 @@
 // Values that own their memory; one thread writes, or any number read.
 #pragma once
 
-#include "scene/area.h"
+#include "scene/area/area.h"
+#include "scene/area/label_area.h"
+#include "scene/area/polygon.h"
 #include "scene/config/haptics.h"
 #include "scene/depth_grid.h"
-#include "scene/label_area.h"
-#include "scene/materials.h"
-#include "scene/polygon.h"
-#include "scene/workspace.h"
+#include "scene/frame/workspace.h"
+#include "scene/material/materials.h"

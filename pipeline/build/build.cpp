@@ -15,11 +15,11 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/png_reader.h"
+#include "base/files/files.h"
+#include "base/png/png_reader.h"
 #include "base/system.h"
-#include "base/text.h"
-#include "base/thread_pool.h"
+#include "base/text/text.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/build/pillar_regions.h"
 #include "pipeline/build/project_scans.h"
 #include "pipeline/build/warnings.h"
@@ -28,8 +28,8 @@
 #include "pipeline/projection/projection.h"
 #include "pipeline/register/register.h"
 #include "pipeline/scan/repeated.h"
+#include "scene/area/regions.h"
 #include "scene/folder/folder.h"
-#include "scene/regions.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/cluster/ranks.h"
 #include "pipeline/report/report.h"
 #include "scene/scene_fwd.h"

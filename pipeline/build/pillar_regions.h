@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/filter/pillars.h"
 #include "scene/config/audio.h"
 

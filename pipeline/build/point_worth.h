@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/scan/set.h"
 #include "scene/config/filters.h"
 #include "scene/config/scans.h"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/build/build.h"
 #include "pipeline/charts/charts.h"
 #include "pipeline/check/charts_check.h"

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/thread_pool.h"
+#include "base/files/files.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/build/project_scans.h"
 #include "pipeline/scan/repeated.h"
 #include "scene/folder/folder.h"

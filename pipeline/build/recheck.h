@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/report/report.h"
 #include "scene/scene_fwd.h"
 

@@ -1,4 +1,4 @@
-// A cloud laid flat from the mantle of a cylinder or cone (scene/unrolling.h).
+// A cloud laid flat from the mantle of a cylinder or cone (scene/frame/unrolling.h).
 #pragma once
 
 #include <cstddef>
@@ -7,11 +7,11 @@
 
 #include <Eigen/Core>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/scan/cloud.h"
 #include "scene/config/config.h"
-#include "scene/unrolling.h"
+#include "scene/frame/unrolling.h"
 
 namespace sparsha::pipeline {
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/scan/cloud.h"
 #include "scene/charts.h"
 #include "scene/config/grid.h"

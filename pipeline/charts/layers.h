@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/charts/charts.h"
 #include "pipeline/charts/sided_discs.h"
 #include "pipeline/projection/simd/kernels.h"

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/projection/buffer.h"
 #include "pipeline/projection/extent.h"
 #include "pipeline/projection/tangent_discs.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "scene/charts.h"
 
 namespace sparsha::pipeline {

@@ -11,7 +11,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 #include "pipeline/check/statistics.h"
 
 namespace sparsha::pipeline {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/check/check.h"
 #include "pipeline/scan/cloud.h"
 #include "scene/charts.h"

@@ -9,7 +9,7 @@
 
 #include <Eigen/Dense>
 
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 #include "pipeline/check/nearest.h"
 #include "pipeline/check/points.h"
 #include "pipeline/check/seen_mesh.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/scan/cloud.h"
 #include "scene/config/layers.h"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 #include "pipeline/check/points.h"
 
 namespace sparsha::pipeline {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/check/triangle_tree.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/scan/cloud.h"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/cluster/transport.h"
 
 namespace sparsha::pipeline {

@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 
 #include "base/error.h"
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "pipeline/export/formats.h"
 #include "pipeline/export/output.hpp"
 #include "scene/scene.h"

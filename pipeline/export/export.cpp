@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/lower_case.h"
+#include "base/files/files.h"
+#include "base/text/lower_case.h"
 #include "pipeline/export/formats.h"
 #include "scene/folder/layer_file.h"
 #include "scene/scene.h"

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {

@@ -9,12 +9,12 @@
 #include <span>
 #include <utility>
 
-#include "base/png.h"
-#include "scene/friction_law.h"
-#include "scene/region_frame.h"
-#include "scene/regions.h"
+#include "base/png/png.h"
+#include "scene/area/region_frame.h"
+#include "scene/area/regions.h"
+#include "scene/frame/workspace.h"
+#include "scene/material/friction_law.h"
 #include "scene/scene.h"
-#include "scene/workspace.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {

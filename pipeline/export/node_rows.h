@@ -10,10 +10,10 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "scene/depth_grid.h"
+#include "scene/frame/unrolling.h"
 #include "scene/scene.h"
-#include "scene/unrolling.h"
 
 namespace sparsha::pipeline {
 

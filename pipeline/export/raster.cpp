@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/png.h"
-#include "base/text.h"
+#include "base/png/png.h"
+#include "base/text/text.h"
 #include "pipeline/export/formats.h"
 #include "pipeline/export/height_tiff.h"
 #include "pipeline/export/node_rows.h"

@@ -6,8 +6,8 @@
 #include <Eigen/LU>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/lower_case.h"
+#include "base/files/files.h"
+#include "base/text/lower_case.h"
 #include "pipeline/export/formats.h"
 #include "pipeline/export/glb_file.h"
 #include "pipeline/export/output.hpp"

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/solid/closed_mesh.h"
 #include "scene/scene_fwd.h"
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 
 namespace pcl {
 struct PointXYZ;

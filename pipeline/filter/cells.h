@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/scan/cloud.h"
 
 namespace sparsha::pipeline {

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "base/statistics.h"
-#include "base/text.h"
+#include "base/numbers/statistics.h"
+#include "base/text/text.h"
 #include "pipeline/filter/clusters.h"
 #include "pipeline/filter/neighbour_tree.h"
 #include "pipeline/filter/outliers.h"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "base/context.h"
 #include "base/error.h"
+#include "base/threads/context.h"
 #include "pipeline/scan/cloud.h"
 #include "pipeline/scan/origin.h"
 #include "scene/config/filters.h"

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "base/context.h"
-#include "base/thread_pool.h"
+#include "base/threads/context.h"
+#include "base/threads/thread_pool.h"
 
 namespace sparsha::pipeline {
 

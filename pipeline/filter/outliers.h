@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/scan/cloud.h"
 #include "scene/config/filters.h"
 

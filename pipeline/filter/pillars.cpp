@@ -15,7 +15,7 @@
 #include <memory>
 #include <utility>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "pipeline/scan/pcl_trees.hpp"
 #include "pipeline/scan/quiet_pcl.h"
 

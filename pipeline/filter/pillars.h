@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 
 namespace sparsha::pipeline {
 

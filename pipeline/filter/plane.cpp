@@ -11,7 +11,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "base/error.h"
-#include "base/text.h"
+#include "base/text/text.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -8,9 +8,9 @@
 
 #include <Eigen/Core>
 
-#include "base/context.h"
-#include "base/hash.h"
-#include "base/key_table.h"
+#include "base/numbers/hash.h"
+#include "base/numbers/key_table.h"
+#include "base/threads/context.h"
 #include "pipeline/filter/point_test.h"
 #include "scene/config/filters.h"
 

@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/exact_sum.h"
-#include "base/text.h"
+#include "base/numbers/exact_sum.h"
+#include "base/text/text.h"
 #include "pipeline/filter/cancellable_tree.h"
 #include "pipeline/filter/cells.h"
 #include "pipeline/scan/pcl_trees.hpp"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/scan/cloud.h"
 #include "scene/config/filters.h"
 

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/filter/filter.h"
 #include "pipeline/filter/point_test.h"
 #include "pipeline/scan/set.h"

@@ -6,7 +6,7 @@
 #include <bit>
 #include <tuple>
 
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 #include "pipeline/filter/cells.h"
 
 namespace sparsha::pipeline {

@@ -12,9 +12,9 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/exact_sum.h"
-#include "base/hash.h"
-#include "base/key_table.h"
+#include "base/numbers/exact_sum.h"
+#include "base/numbers/hash.h"
+#include "base/numbers/key_table.h"
 
 namespace sparsha::pipeline {
 namespace {

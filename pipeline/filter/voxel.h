@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/scan/cloud.h"
 
 namespace sparsha::pipeline {

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <utility>
 
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 #include "pipeline/images/images.h"
 #include "pipeline/layers/bilateral_kernel.h"
 #include "pipeline/layers/layers.h"

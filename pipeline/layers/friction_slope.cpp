@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "pipeline/layers/layers.h"
 
 namespace sparsha::pipeline {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "base/progress.h"
-#include "base/thread_pool.h"
+#include "base/threads/progress.h"
+#include "base/threads/thread_pool.h"
 #include "scene/config/layers.h"
 #include "scene/depth_grid.h"
 

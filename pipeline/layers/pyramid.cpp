@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "pipeline/layers/layers.h"
-#include "scene/window_lattice.h"
+#include "scene/ground/window_lattice.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -12,7 +12,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "pipeline/orient/planes.h"
 #include "pipeline/scan/origin.h"
 

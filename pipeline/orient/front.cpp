@@ -11,7 +11,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "pipeline/orient/room.h"
 #include "pipeline/orient/side_picture.h"
 #include "scene/config/orientation.h"

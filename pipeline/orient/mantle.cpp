@@ -16,9 +16,9 @@
 #include <Eigen/Geometry>
 
 #include "base/error.h"
-#include "base/statistics.h"
-#include "base/text.h"
-#include "scene/unrolling.h"
+#include "base/numbers/statistics.h"
+#include "base/text/text.h"
+#include "scene/frame/unrolling.h"
 
 namespace sparsha::pipeline {
 namespace {

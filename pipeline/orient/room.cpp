@@ -10,7 +10,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -8,8 +8,8 @@
 
 #include <Eigen/Core>
 
-#include "base/progress.h"
-#include "base/thread_pool.h"
+#include "base/threads/progress.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/cluster/ranks.h"
 #include "pipeline/filter/streamed.h"
 #include "pipeline/outofcore/point_file.h"

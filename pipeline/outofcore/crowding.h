@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/outofcore/memory.h"
 #include "scene/config/grid.h"
 #include "scene/depth_grid.h"

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/check/check.h"
 #include "pipeline/outofcore/tiled_projection.h"
 #include "scene/depth_grid.h"

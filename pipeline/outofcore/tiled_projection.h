@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
-#include "base/context.h"
-#include "base/thread_pool.h"
+#include "base/threads/context.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/cluster/ranks.h"
 #include "pipeline/outofcore/cloud_on_disk.h"
 #include "pipeline/outofcore/point_file.h"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/projection/buffer.h"
 #include "pipeline/projection/points.h"
 #include "scene/depth_grid.h"

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/projection/bins.h"
 #include "pipeline/projection/points.h"
 #include "pipeline/projection/projection.h"

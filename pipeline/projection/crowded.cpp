@@ -6,7 +6,7 @@
 #include <bit>
 #include <utility>
 
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -10,9 +10,9 @@
 
 #include <Eigen/Core>
 
-#include "base/hash.h"
-#include "base/key_table.h"
-#include "base/thread_pool.h"
+#include "base/numbers/hash.h"
+#include "base/numbers/key_table.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/projection/bins.h"
 #include "pipeline/projection/points.h"
 #include "pipeline/projection/projection.h"

@@ -12,7 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "base/error.h"
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "pipeline/projection/simd/kernels.h"
 
 namespace sparsha::pipeline {

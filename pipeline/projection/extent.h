@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/projection/points.h"
 
 namespace sparsha::pipeline {

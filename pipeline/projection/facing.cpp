@@ -12,7 +12,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 #include "pipeline/projection/steady.h"
 
 namespace sparsha::pipeline {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/projection/extent.h"
 #include "pipeline/projection/points.h"
 #include "pipeline/projection/simd/kernels.h"

@@ -1,7 +1,7 @@
 // Heights of some rows of nodes from the bins about them.
 #pragma once
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/projection/bins.h"
 #include "pipeline/projection/node_fitter.h"
 #include "scene/depth_grid.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/projection/plan.h"
 #include "pipeline/projection/points.h"
 #include "scene/depth_grid.h"

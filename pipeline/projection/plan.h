@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/projection/bins.h"
 #include "pipeline/projection/extent.h"
 #include "pipeline/projection/facing.h"

@@ -8,7 +8,7 @@
 #include <limits>
 #include <mutex>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "pipeline/projection/simd/kernels.h"
 
 namespace sparsha::pipeline {

@@ -11,7 +11,7 @@
 
 #include <Eigen/Core>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/projection/buffer.h"
 #include "pipeline/scan/cloud.h"
 

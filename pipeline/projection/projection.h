@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/scan/cloud.h"
 #include "scene/config/grid.h"
 #include "scene/depth_grid.h"

@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "base/context.h"
-#include "base/thread_pool.h"
+#include "base/threads/context.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/projection/buffer.h"
 #include "pipeline/projection/plan.h"
 #include "pipeline/projection/points.h"

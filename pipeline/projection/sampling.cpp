@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "pipeline/projection/local_fit.h"
 #include "pipeline/projection/node_fitter.h"
 #include "pipeline/projection/simd/kernels.h"

@@ -7,8 +7,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "base/hash.h"
-#include "base/key_table.h"
+#include "base/numbers/hash.h"
+#include "base/numbers/key_table.h"
 #include "pipeline/projection/simd/kernels.h"
 #include "pipeline/projection/steady.h"
 

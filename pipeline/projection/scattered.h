@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/projection/bins.h"
 #include "pipeline/projection/extent.h"
 #include "pipeline/projection/points.h"

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "pipeline/projection/simd/kernels.h"
 #include "pipeline/projection/steady.h"
 #include "pipeline/projection/surface_plane.h"

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/projection/extent.h"
 #include "pipeline/projection/points.h"
 

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 #include "pipeline/register/features.h"
 #include "pipeline/register/graph.h"
 #include "pipeline/register/line_of_sight.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/register/posed_scan.h"
 #include "pipeline/register/register.h"
 #include "scene/config/registration.h"

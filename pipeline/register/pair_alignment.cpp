@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/register/match.h"
 #include "pipeline/register/pairwise.h"
 #include "pipeline/register/relaxation.h"

@@ -3,7 +3,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/register/match.h"
 #include "pipeline/register/posed_scan.h"
 #include "scene/config/registration.h"

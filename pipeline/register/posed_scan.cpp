@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "pipeline/scan/empty_scan.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/set.h"

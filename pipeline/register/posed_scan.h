@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/register/surface.h"
 #include "scene/config/scans.h"
 

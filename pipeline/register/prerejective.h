@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/register/features.h"
 
 namespace sparsha::pipeline {

@@ -11,7 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "base/error.h"
-#include "base/text.h"
+#include "base/text/text.h"
 #include "pipeline/register/first_guess.h"
 #include "pipeline/register/graph.h"
 #include "pipeline/register/match.h"

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "scene/config/registration.h"
 #include "scene/config/scans.h"
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "pipeline/register/match.h"
 
 namespace sparsha::pipeline {

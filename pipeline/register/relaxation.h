@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/register/surface.h"
 
 namespace sparsha::pipeline {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <unordered_map>
 
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 #include "pipeline/register/graph.h"
 
 namespace sparsha::pipeline {

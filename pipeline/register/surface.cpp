@@ -11,7 +11,7 @@
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "pipeline/scan/pcl_trees.hpp"
 
 namespace sparsha::pipeline {

@@ -12,8 +12,8 @@
 
 #include <Eigen/Core>
 
-#include "base/context.h"
-#include "base/hash.h"
+#include "base/numbers/hash.h"
+#include "base/threads/context.h"
 
 namespace sparsha::pipeline {
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/png.h"
+#include "base/png/png.h"
 #include "pipeline/images/images.h"
 
 namespace sparsha::pipeline {

@@ -14,7 +14,7 @@
 #include <minizip/zip.h>
 
 #include "base/error.h"
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 
 namespace sparsha::pipeline {
 namespace {

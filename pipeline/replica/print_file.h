@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 
 namespace sparsha::pipeline {
 

@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/lower_case.h"
+#include "base/files/files.h"
+#include "base/text/lower_case.h"
 #include "pipeline/replica/braille.h"
 #include "pipeline/replica/legibility.h"
 #include "pipeline/replica/solid.h"
+#include "scene/ground/window_lattice.h"
 #include "scene/scene.h"
-#include "scene/window_lattice.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/replica/print_file.h"
 #include "pipeline/replica/replica.h"
 #include "pipeline/solid/closed_mesh.h"

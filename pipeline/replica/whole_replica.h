@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "scene/scene_fwd.h"
 
 namespace sparsha::pipeline {

@@ -11,8 +11,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "base/statistics.h"
-#include "base/text.h"
+#include "base/numbers/statistics.h"
+#include "base/text/text.h"
 #include "scene/scene.h"
 
 namespace sparsha::pipeline {

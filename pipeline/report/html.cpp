@@ -8,9 +8,9 @@
 #include <cmath>
 #include <iterator>
 
-#include "base/base64.h"
-#include "base/html.h"
-#include "base/text.h"
+#include "base/text/base64.h"
+#include "base/text/html.h"
+#include "base/text/text.h"
 #include "pipeline/report/page.h"
 #include "pipeline/report/scan_graph.h"
 #include "pipeline/report/svg.h"

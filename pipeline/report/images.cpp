@@ -9,14 +9,14 @@
 #include <functional>
 #include <limits>
 
-#include "base/statistics.h"
-#include "base/text.h"
+#include "base/numbers/statistics.h"
+#include "base/text/text.h"
 #include "pipeline/report/filter_picture.h"
 #include "pipeline/report/shading.h"
 #include "pipeline/report/six_views.h"
-#include "scene/friction_law.h"
+#include "scene/frame/workspace.h"
+#include "scene/material/friction_law.h"
 #include "scene/scene.h"
-#include "scene/workspace.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/report/colour.h"
 #include "pipeline/report/report.h"
 #include "scene/scene_fwd.h"

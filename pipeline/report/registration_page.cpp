@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "base/html.h"
+#include "base/text/html.h"
 #include "pipeline/report/page.h"
 #include "pipeline/report/scan_graph.h"
 #include "pipeline/report/svg.h"

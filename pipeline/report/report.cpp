@@ -1,8 +1,8 @@
 // Draws, encodes and writes what the report consists of.
 #include "pipeline/report/report.h"
 
-#include "base/files.h"
-#include "base/png.h"
+#include "base/files/files.h"
+#include "base/png/png.h"
 #include "pipeline/report/html.h"
 #include "pipeline/report/images.h"
 #include "scene/scene.h"

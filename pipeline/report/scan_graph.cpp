@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <numbers>
 
-#include "base/html.h"
-#include "base/text.h"
+#include "base/text/html.h"
+#include "base/text/text.h"
 #include "pipeline/report/svg.h"
 
 namespace sparsha::pipeline {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 
 namespace sparsha::pipeline {
 namespace {

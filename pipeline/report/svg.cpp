@@ -1,7 +1,7 @@
 // Plain SVG; text in it is real text, so that it scales and can be read aloud.
 #include "pipeline/report/svg.h"
-#include "base/html.h"
-#include "base/text.h"
+#include "base/text/html.h"
+#include "base/text/text.h"
 
 #include <fmt/format.h>
 

@@ -11,10 +11,10 @@
 
 #include <fmt/format.h>
 
-#include "base/text.h"
+#include "base/text/text.h"
 #include "pipeline/scan/pieces.h"
 #include "pipeline/scan/straight.h"
-#include "scene/length_unit.h"
+#include "scene/frame/length_unit.h"
 
 namespace sparsha::pipeline {
 namespace {

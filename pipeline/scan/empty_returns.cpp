@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "pipeline/scan/drop.h"
 
 namespace sparsha::pipeline {

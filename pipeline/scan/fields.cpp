@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "pipeline/scan/cloud.h"
 
 namespace sparsha::pipeline {

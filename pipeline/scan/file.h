@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/progress.h"
+#include "base/files/files.h"
+#include "base/threads/progress.h"
 #include "pipeline/scan/empty_scan.h"
 
 namespace sparsha::pipeline {

@@ -4,7 +4,7 @@
 #include <array>
 #include <string>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "pipeline/scan/foreign_text.h"
 #include "pipeline/scan/text.h"
 

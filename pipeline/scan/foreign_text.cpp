@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "pipeline/scan/file.h"
 #include "pipeline/scan/text.h"
 

@@ -1,5 +1,5 @@
 // From files to one cloud in metres.
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/set.h"
 #include "scene/scene.h"

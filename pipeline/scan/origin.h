@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 
 namespace sparsha::pipeline {
 

@@ -8,7 +8,7 @@
 #include "pipeline/scan/reader.h"
 #include "scene/config/filters.h"
 #include "scene/config/scans.h"
-#include "scene/length_unit.h"
+#include "scene/frame/length_unit.h"
 
 namespace sparsha::pipeline {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <string>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "pipeline/scan/file.h"
 #include "pipeline/scan/foreign.h"
 #include "pipeline/scan/formats/formats.h"

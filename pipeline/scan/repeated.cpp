@@ -8,7 +8,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 
 namespace sparsha::pipeline {
 namespace fs = std::filesystem;

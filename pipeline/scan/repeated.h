@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "scene/config/scans.h"
 
 namespace sparsha::pipeline {

@@ -12,7 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "base/error.h"
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/scan/doubts.h"
 #include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/empty_scan.h"

@@ -12,7 +12,7 @@
 
 #include <Eigen/Core>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/scan/cloud.h"
 #include "pipeline/scan/fields.h"
 #include "pipeline/scan/reader.h"

@@ -13,8 +13,8 @@
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 
-#include "base/hash.h"
-#include "base/statistics.h"
+#include "base/numbers/hash.h"
+#include "base/numbers/statistics.h"
 #include "pipeline/scan/doubts.h"
 #include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/origin.h"

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/runs.h"
 #include "pipeline/scan/worth.h"

@@ -9,7 +9,7 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/surroundings.h"
 

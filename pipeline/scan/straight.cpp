@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/text.h"
+#include "base/text/text.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 
 namespace sparsha::pipeline {
 

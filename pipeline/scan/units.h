@@ -11,7 +11,7 @@
 
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/reader.h"
-#include "scene/length_unit.h"
+#include "scene/frame/length_unit.h"
 
 namespace sparsha::pipeline {
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/text.h"
+#include "base/text/text.h"
 #include "pipeline/scan/cloud.h"
 #include "pipeline/scan/drop.h"
 #include "pipeline/scan/value_test.h"

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/simulate/random.h"
 #include "pipeline/simulate/simulate.h"
 

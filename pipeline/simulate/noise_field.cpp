@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 
 namespace sparsha::pipeline {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/smooth_step.h"
+#include "base/numbers/smooth_step.h"
 #include "pipeline/simulate/plain_math.h"
 
 namespace sparsha::pipeline {

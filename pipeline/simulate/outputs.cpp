@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "base/text.h"
+#include "base/text/text.h"
 #include "pipeline/export/height_tiff.h"
 #include "pipeline/simulate/frames.h"
 

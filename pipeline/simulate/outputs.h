@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/simulate/simulate.h"
 
 namespace sparsha::pipeline {

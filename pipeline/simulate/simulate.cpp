@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/simulate/frames.h"
 #include "pipeline/simulate/outputs.h"
 #include "pipeline/simulate/ply_stream.h"

@@ -12,10 +12,10 @@
 
 #include <Eigen/Core>
 
-#include "base/context.h"
-#include "base/progress.h"
-#include "base/thread_pool.h"
-#include "base/yaml.h"
+#include "base/threads/context.h"
+#include "base/threads/progress.h"
+#include "base/threads/thread_pool.h"
+#include "base/yaml/yaml.h"
 #include "pipeline/simulate/surface.h"
 #include "scene/config/orientation.h"
 #include "scene/depth_grid.h"

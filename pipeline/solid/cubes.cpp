@@ -7,8 +7,8 @@
 #include <cstddef>
 
 #include "base/error.h"
-#include "base/hash.h"
-#include "base/key_table.h"
+#include "base/numbers/hash.h"
+#include "base/numbers/key_table.h"
 
 namespace sparsha::pipeline {
 namespace {

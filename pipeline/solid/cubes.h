@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/solid/lattice.h"
 #include "pipeline/solid/winding.h"
 

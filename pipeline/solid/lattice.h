@@ -9,9 +9,9 @@
 
 #include <Eigen/Core>
 
-#include "base/context.h"
-#include "base/hash.h"
-#include "base/key_table.h"
+#include "base/numbers/hash.h"
+#include "base/numbers/key_table.h"
+#include "base/threads/context.h"
 #include "pipeline/solid/winding.h"
 #include "scene/charts.h"
 

@@ -12,10 +12,10 @@
 #include <Eigen/Geometry>
 
 #include "base/error.h"
-#include "base/statistics.h"
-#include "base/text.h"
-#include "base/yaml.h"
-#include "base/yaml_text.h"
+#include "base/numbers/statistics.h"
+#include "base/text/text.h"
+#include "base/yaml/yaml.h"
+#include "base/yaml/yaml_text.h"
 #include "pipeline/filter/plane.h"
 #include "pipeline/orient/planes.h"
 #include "pipeline/suggest/group.h"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/suggest/inner_box.h"
 #include "pipeline/suggest/trial.h"
 #include "pipeline/suggest/view.h"

@@ -9,11 +9,11 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/paths.h"
-#include "base/text.h"
-#include "base/thread_pool.h"
-#include "base/yaml.h"
-#include "base/yaml_text.h"
+#include "base/files/paths.h"
+#include "base/text/text.h"
+#include "base/threads/thread_pool.h"
+#include "base/yaml/yaml.h"
+#include "base/yaml/yaml_text.h"
 #include "pipeline/outofcore/memory.h"
 #include "pipeline/scan/empty_scan.h"
 #include "pipeline/scan/origin.h"

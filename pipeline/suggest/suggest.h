@@ -9,7 +9,7 @@
 
 #include <Eigen/Core>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/suggest/thumbnails.h"
 #include "scene/config/config.h"
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/text.h"
+#include "base/text/text.h"
 #include "pipeline/check/check.h"
 #include "pipeline/layers/layers.h"
 #include "scene/config/filters.h"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "base/progress.h"
-#include "base/thread_pool.h"
+#include "base/threads/progress.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/build/warnings.h"
 #include "pipeline/check/check.h"
 #include "pipeline/projection/projector.h"

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "pipeline/orient/face.h"
 #include "pipeline/orient/side_picture.h"
 #include "pipeline/suggest/range_image.h"

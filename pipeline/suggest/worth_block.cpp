@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "base/text.h"
-#include "base/yaml.h"
-#include "base/yaml_text.h"
+#include "base/text/text.h"
+#include "base/yaml/yaml.h"
+#include "base/yaml/yaml_text.h"
 
 namespace sparsha::pipeline {
 

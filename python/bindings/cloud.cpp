@@ -12,8 +12,8 @@
 
 #include "app/inputs.h"
 #include "base/error.h"
-#include "base/thread_pool.h"
-#include "base/yaml.h"
+#include "base/threads/thread_pool.h"
+#include "base/yaml/yaml.h"
 #include "pipeline/filter/filter.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/set.h"

@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/scan/cloud.h"
 
 namespace sparsha::python {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 
 namespace sparsha::python {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "haptics/window/surface.h"
 #include "python/bindings/arrays.hpp"
 

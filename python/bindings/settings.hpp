@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "scene/config/config.h"
 
 namespace sparsha::python {

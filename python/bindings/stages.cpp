@@ -12,8 +12,8 @@
 
 #include "app/inputs.h"
 #include "base/error.h"
-#include "base/thread_pool.h"
-#include "base/yaml.h"
+#include "base/threads/thread_pool.h"
+#include "base/yaml/yaml.h"
 #include "pipeline/export/export.h"
 #include "pipeline/export/whole_mesh.h"
 #include "pipeline/register/register.h"

@@ -1,6 +1,6 @@
 // The block `audio`: where a scene sounds, and what.
 #include "scene/config/reader.h"
-#include "scene/sound_limits.h"
+#include "scene/material/sound_limits.h"
 
 namespace sparsha::scene {
 namespace {

@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "scene/materials.h"
+#include "scene/material/materials.h"
 
 namespace sparsha::scene {
 
@@ -26,7 +26,7 @@ struct ModalConfig {
   std::vector<ModeConfig> modes;  ///< when not empty, these and not the bar's
 };
 
-/// The sound of a material; what is absent is the table's (scene/materials.h).
+/// The sound of a material; what is absent is the table's (scene/material/materials.h).
 struct MaterialSoundConfig {
   Material material = Material::granite;
   std::optional<double> frequency_hz;

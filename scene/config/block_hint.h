@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-#include "base/yaml.h"
+#include "base/yaml/yaml.h"
 
 namespace sparsha::scene {
 

@@ -12,7 +12,7 @@
 
 #include <fmt/ranges.h>
 
-#include "base/phrases.h"
+#include "base/phrases/phrases.h"
 #include "scene/config/config.h"
 
 namespace sparsha::scene {

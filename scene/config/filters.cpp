@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "scene/config/reader.h"
 
 namespace sparsha::scene {

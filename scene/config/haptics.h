@@ -1,7 +1,7 @@
 // The configuration's `haptics` block, apart from the rest for programs that render touch without scenes.
 #pragma once
 
-#include "scene/materials.h"
+#include "scene/material/materials.h"
 
 namespace sparsha::scene {
 
@@ -17,7 +17,7 @@ struct HapticsConfig {
   double rate_hz = 1000.0;
   double resolution_m = 0.00005;
   double tip_radius_m = 0.0005;   ///< of the ball that touches, device frame; 0: a point
-  Beyond beyond = Beyond::falls;  ///< an outline, and holes wider than a finger finds (scene/beyond.h)
+  Beyond beyond = Beyond::falls;  ///< an outline, and holes wider than a finger finds (scene/ground/beyond.h)
   // Invented, not measured:
   bool impact = false;                    ///< a strike rings
   bool grain = false;                     ///< the texture's spectrum goes on above what the scan resolves

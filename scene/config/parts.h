@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/materials.h"
+#include "scene/material/materials.h"
 
 namespace sparsha::scene {
 

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/yaml.h"
+#include "base/files/files.h"
+#include "base/yaml/yaml.h"
 #include "scene/config/config.h"
 #include "scene/config/text_editor.h"
 

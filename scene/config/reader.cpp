@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "base/paths.h"
-#include "scene/polygon.h"
+#include "base/files/paths.h"
+#include "scene/area/polygon.h"
 
 namespace sparsha::scene {
 

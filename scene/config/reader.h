@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "base/yaml.h"
+#include "base/yaml/yaml.h"
 #include "scene/config/audio.h"
 #include "scene/config/cues.h"
 #include "scene/config/filters.h"
@@ -36,7 +36,7 @@ void read_number(yaml::MapReader& reader, std::string_view key, std::optional<do
 /// xmin ymin xmax ymax of a box that is not empty.
 [[nodiscard]] std::array<double, 4> read_box(const yaml::Node& node);
 
-/// Corners of a polygon that has an area (scene/polygon.h).
+/// Corners of a polygon that has an area (scene/area/polygon.h).
 [[nodiscard]] std::vector<std::array<double, 2>> read_polygon(const yaml::Node& node);
 
 /// A pixel value of the label image.

@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/yaml.h"
+#include "base/yaml/yaml.h"
 #include "scene/config/config.h"
 #include "scene/config/text_editor.h"
-#include "scene/euler.h"
+#include "scene/frame/euler.h"
 
 namespace sparsha::scene {
 namespace {

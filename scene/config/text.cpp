@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "base/text.h"
-#include "base/yaml_text.h"
+#include "base/text/text.h"
+#include "base/yaml/yaml_text.h"
 #include "scene/config/config.h"
 #include "scene/config/reader.h"
 #include "scene/config/text_editor.h"

@@ -5,8 +5,8 @@
 #include <utility>
 #include <variant>
 
-#include "base/paths.h"
-#include "base/yaml_text.h"
+#include "base/files/paths.h"
+#include "base/yaml/yaml_text.h"
 #include "scene/config/config.h"
 
 namespace sparsha::scene {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/yaml.h"
+#include "base/yaml/yaml.h"
 #include "scene/config/parts.h"
 #include "scene/scene_fwd.h"
 

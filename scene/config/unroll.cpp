@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "base/text.h"
-#include "base/yaml.h"
+#include "base/text/text.h"
+#include "base/yaml/yaml.h"
 #include "scene/config/config.h"
 #include "scene/config/reader.h"
-#include "scene/unrolling.h"
+#include "scene/frame/unrolling.h"
 
 namespace sparsha::scene {
 namespace {

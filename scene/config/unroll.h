@@ -7,8 +7,8 @@
 
 namespace sparsha::scene {
 
-/// A column or vase that is unrolled from a cylinder or cone into one height field (scene/unrolling.h). What is absent
-/// is looked for in the points when the scene is built; a scene holds everything.
+/// A column or vase that is unrolled from a cylinder or cone into one height field (scene/frame/unrolling.h). What is
+/// absent is looked for in the points when the scene is built; a scene holds everything.
 struct UnrollConfig {
   enum class Shape { automatic, cylinder, cone };
   Shape shape = Shape::automatic;

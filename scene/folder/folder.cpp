@@ -8,17 +8,17 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/paths.h"
-#include "base/text.h"
-#include "base/yaml.h"
+#include "base/files/files.h"
+#include "base/files/paths.h"
+#include "base/text/text.h"
+#include "base/yaml/yaml.h"
+#include "scene/area/regions.h"
 #include "scene/folder/folder.h"
 #include "scene/folder/layer_file.h"
 #include "scene/folder/layers.h"
 #include "scene/folder/sheets_file.h"
-#include "scene/regions.h"
+#include "scene/ground/window_lattice.h"
 #include "scene/scene.h"
-#include "scene/window_lattice.h"
 
 namespace sparsha::scene {
 namespace fs = std::filesystem;

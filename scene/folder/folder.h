@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "base/files.h"
+#include "base/files/files.h"
 #include "scene/scene_fwd.h"
 
 namespace sparsha::scene {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/yaml.h"
+#include "base/files/files.h"
+#include "base/yaml/yaml.h"
 #include "scene/config/config.h"
 #include "scene/folder/folder.h"
 #include "scene/folder/layers.h"

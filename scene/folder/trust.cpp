@@ -1,6 +1,6 @@
 // Which files of this machine a scene may name.
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "scene/folder/folder.h"
 #include "scene/scene.h"
 

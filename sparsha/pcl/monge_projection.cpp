@@ -3,7 +3,7 @@
 
 #include <pcl/point_types.h>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/scan/origin.h"
 #include "scene/config/haptics.h"

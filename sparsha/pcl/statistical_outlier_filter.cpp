@@ -3,8 +3,8 @@
 
 #include <pcl/point_types.h>
 
-#include "base/context.h"
 #include "base/error.h"
+#include "base/threads/context.h"
 #include "pipeline/filter/outliers.h"
 #include "sparsha/pcl/impl/statistical_outlier_filter.hpp"
 

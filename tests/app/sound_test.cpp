@@ -14,7 +14,7 @@
 #include "app/exploration/device_choice.h"
 #include "audio/sound_bank.h"
 #include "audio/wav/sink.h"
-#include "base/yaml.h"
+#include "base/yaml/yaml.h"
 #include "haptics/servo/haptic_renderer.h"
 #include "haptics/window/window.h"
 #include "scene/scene.h"

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "base/error.h"
-#include "base/png.h"
-#include "base/yaml.h"
+#include "base/png/png.h"
+#include "base/yaml/yaml.h"
 #include "haptics/state/state.h"
 #include "scene/config/config.h"
 #include "tests/audio/audio_scene.h"

@@ -1,5 +1,5 @@
 // Bytes as text and back, by the vectors of RFC 4648, and what is no base 64.
-#include "base/base64.h"
+#include "base/text/base64.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Sums without rounding, against sums of partials that do not overlap (Shewchuk 1997).
-#include "base/exact_sum.h"
+#include "base/numbers/exact_sum.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Atomic outputs, SHA-256, mapped files.
-#include "base/files.h"
+#include "base/files/files.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Hashes: the published numbers, and no more collisions than chance has.
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Words and file endings in any case.
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 
 #include <gtest/gtest.h>
 

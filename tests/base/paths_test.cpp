@@ -1,9 +1,9 @@
 // Names without dots lead where the system goes, through symbolic links too.
-#include "base/paths.h"
+#include "base/files/paths.h"
 
 #include <gtest/gtest.h>
 
-#include "base/files.h"
+#include "base/files/files.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha {

@@ -1,5 +1,5 @@
 // The texts of speech: read here line by line, with nothing of the program's own reader.
-#include "base/phrases.h"
+#include "base/phrases/phrases.h"
 
 #include <gtest/gtest.h>
 
@@ -116,7 +116,7 @@ TEST(Phrases, NoAnnouncementIsWrittenInTheCode) {
 TEST(Phrases, EveryTextIsSaidSomewhereAndWhatDevicesAdviseIsAText) {
   std::string all;
   for (const fs::path& file : announcing_sources()) all += content(file);
-  all += content(kSource / "base/phrases.cpp");
+  all += content(kSource / "base/phrases/phrases.cpp");
   for (const PhraseKey& key : kPhraseKeys)
     EXPECT_NE(all.find("\"" + std::string(key.name) + "\""), std::string::npos) << key.name << " is never said";
   const std::regex advice(R"re(DeviceAdvice k\w+\{\s*"([^"]+)")re");

@@ -1,5 +1,5 @@
 // Pictures of numbers: read back as they were written, refused when they are none.
-#include "base/png_reader.h"
+#include "base/png/png_reader.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "base/png.h"
+#include "base/png/png.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha {

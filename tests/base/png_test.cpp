@@ -1,4 +1,4 @@
-#include "base/png.h"
+#include "base/png/png.h"
 
 #include <gtest/gtest.h>
 #include <png.h>

@@ -1,5 +1,5 @@
 // The pool covers every index once, cuts at multiples of the grain, and passes exceptions on.
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/progress.h"
+#include "base/threads/progress.h"
 
 namespace sparsha {
 namespace {

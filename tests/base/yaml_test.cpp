@@ -1,5 +1,5 @@
 // The YAML tree and its map reader: places, duplicates, misspelt keys, limits.
-#include "base/yaml.h"
+#include "base/yaml/yaml.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,13 +1,13 @@
 // Texts of any bytes written into YAML and read back.
-#include "base/yaml_text.h"
+#include "base/yaml/yaml_text.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
 
-#include "base/utf8.h"
-#include "base/yaml.h"
+#include "base/text/utf8.h"
+#include "base/yaml/yaml.h"
 
 namespace sparsha::yaml {
 namespace {

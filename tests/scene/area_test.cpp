@@ -1,5 +1,5 @@
 // Boxes, polygons and labels as places: against brute force that shares no code with them.
-#include "scene/area.h"
+#include "scene/area/area.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "scene/region_frame.h"
+#include "scene/area/region_frame.h"
 #include "tests/support/sanitized.h"
 
 namespace sparsha::scene {

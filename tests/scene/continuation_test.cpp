@@ -1,4 +1,4 @@
-#include "scene/continuation.h"
+#include "scene/ground/continuation.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "scene/measured_spectrum.h"
+#include "scene/material/measured_spectrum.h"
 #include "tests/support/scenes.h"
 
 namespace sparsha::scene {

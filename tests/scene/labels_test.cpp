@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "scene/folder/folder.h"
 #include "tests/support/scenes.h"
 #include "tests/support/test_folder.h"

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/png.h"
-#include "base/yaml.h"
-#include "scene/friction_law.h"
-#include "scene/regions.h"
+#include "base/files/files.h"
+#include "base/png/png.h"
+#include "base/yaml/yaml.h"
+#include "scene/area/regions.h"
+#include "scene/material/friction_law.h"
 #include "tests/support/scenes.h"
 #include "tests/support/test_folder.h"
 

@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "scene/folder/layer_file.h"
 #include "tests/support/test_folder.h"
 

@@ -1,5 +1,5 @@
 // Lengths, frames and seams of unrolled mantles, held against lengths that are summed along curves in space.
-#include "scene/unrolling.h"
+#include "scene/frame/unrolling.h"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 #include <Eigen/Geometry>
 
 #include "base/error.h"
-#include "base/yaml.h"
+#include "base/yaml/yaml.h"
 #include "scene/config/config.h"
-#include "scene/repeated_read.h"
+#include "scene/folder/repeated_read.h"
 #include "scene/scene.h"
 
 namespace sparsha::scene {

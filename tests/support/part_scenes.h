@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "base/png.h"
+#include "base/png/png.h"
 #include "tests/support/scenes.h"
 
 namespace sparsha::test {

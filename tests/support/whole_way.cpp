@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "haptics/replay/trace.h"
 #include "haptics/servo/haptic_renderer.h"
 #include "haptics/window/surface.h"
@@ -22,8 +22,8 @@
 #include "pipeline/report/report.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/suggest/suggest.h"
+#include "scene/ground/window_lattice.h"
 #include "scene/scene.h"
-#include "scene/window_lattice.h"
 
 namespace sparsha::test {
 namespace {

@@ -23,8 +23,8 @@ FAULTS = [
     ("protocol/score.h", '#include "base/trees.hpp"', "protocol/score.h:1: base/trees.hpp shows a library"),
     ("bench/new/main.cpp", "", "bench/new/main.cpp: no rule for this folder"),
     ("app/commands/race.cpp", '#include "bench/race/measure.h"', "app/commands/race.cpp:1: app must not include bench/race/measure.h"),
-    ("base/yaml.cpp", '#include "protocol/judge.h"', "base/yaml.cpp:1: base must not include protocol/judge.h"),
-    ("base/yaml.cpp", '#include "tests/support/clouds.h"', "base/yaml.cpp:1: base must not include tests/support/clouds.h"),
+    ("base/yaml/yaml.cpp", '#include "protocol/judge.h"', "base/yaml/yaml.cpp:1: base must not include protocol/judge.h"),
+    ("base/yaml/yaml.cpp", '#include "tests/support/clouds.h"', "base/yaml/yaml.cpp:1: base must not include tests/support/clouds.h"),
     ("app/hand.cpp", "namespace sparsha::haptics {\nint hand;\n}  // namespace sparsha::haptics\n",
      "app/hand.cpp: namespace sparsha::haptics is another room's"),
     ("tests/gone/room_test.cpp", "", "tests/gone: there is no room gone"),
@@ -71,9 +71,9 @@ def stale():
         (root / "cmake").mkdir()
         (root / "cmake/install.cmake").write_text("", encoding="utf-8")
         (root / "base").mkdir()
-        (root / "base/error.h").write_text('#include "base/yaml.h"\n', encoding="utf-8")
+        (root / "base/error.h").write_text('#include "base/yaml/yaml.h"\n', encoding="utf-8")
         code, lines = rooms("--check", folder)
-        if "base/error.h: is installed and includes base/yaml.h, which is not" not in lines:
+        if "base/error.h: is installed and includes base/yaml/yaml.h, which is not" not in lines:
             yield f"an installed header that includes another: exit {code}, {lines}"
 
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "base/text.h"
+#include "base/text/text.h"
 #include "haptics/surface/monge_surface.h"
 #include "haptics/window/surface.h"
 #include "pipeline/report/images.h"

@@ -9,8 +9,8 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/png_reader.h"
+#include "base/files/files.h"
+#include "base/png/png_reader.h"
 #include "relief_scene.h"
 #include "scene/scene.h"
 #include "studio.h"

@@ -9,8 +9,8 @@
 #include "haptics/device/pointer/pointer_device.h"
 #include "haptics/window/window.h"
 #include "relief_scene.h"
+#include "scene/frame/workspace.h"
 #include "scene/scene.h"
-#include "scene/workspace.h"
 #include "viewer/hand.h"
 #include "viewer/surface/touch_ground.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "tests/support/soft_stone.h"
-#include "viewer/strip.h"
+#include "viewer/overlay/strip.h"
 
 namespace sparsha::viewer::test {
 namespace {

@@ -9,7 +9,7 @@
 #include "viewer/controller/controller.h"
 #include "viewer/gl/offscreen.h"
 #include "viewer/gui/gui.h"
-#include "viewer/picture.h"
+#include "viewer/picture/picture.h"
 
 namespace sparsha::viewer::test {
 

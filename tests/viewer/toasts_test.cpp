@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "viewer/toasts.h"
+#include "viewer/overlay/toasts.h"
 
 namespace sparsha::viewer::test {
 namespace {

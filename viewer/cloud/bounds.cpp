@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 
 namespace sparsha::viewer {
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "viewer/actions.h"
-#include "viewer/camera.h"
+#include "viewer/actions/actions.h"
+#include "viewer/camera/camera.h"
 #include "viewer/cloud/orientation.h"
 #include "viewer/cloud/point_view.h"
 #include "viewer/cloud/preview.h"

@@ -10,7 +10,7 @@
 #include <Eigen/SVD>
 
 #include "scene/config/orientation.h"
-#include "scene/euler.h"
+#include "scene/frame/euler.h"
 
 namespace sparsha::viewer {
 namespace {

@@ -12,7 +12,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/text.h"
+#include "base/text/text.h"
 
 namespace sparsha::viewer {
 namespace {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "viewer/cloud/controller.h"
 #include "viewer/gl/objects.h"
 

@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "scene/regions.h"
+#include "scene/area/regions.h"
+#include "scene/frame/workspace.h"
 #include "scene/scene.h"
-#include "scene/workspace.h"
 
 namespace sparsha::viewer {
 namespace {

@@ -7,14 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "viewer/actions.h"
+#include "viewer/actions/actions.h"
+#include "viewer/actions/wishes.h"
+#include "viewer/camera/orbit.h"
 #include "viewer/frame.h"
 #include "viewer/hand.h"
 #include "viewer/marks/marking.h"
-#include "viewer/orbit.h"
-#include "viewer/toasts.h"
+#include "viewer/overlay/toasts.h"
 #include "viewer/viewer.h"
-#include "viewer/wishes.h"
 
 namespace sparsha::viewer {
 

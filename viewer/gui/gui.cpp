@@ -12,7 +12,7 @@
 #include "viewer/gui/brush.h"
 #include "viewer/gui/parts.h"
 #include "viewer/kiosk/help.h"
-#include "viewer/picture.h"
+#include "viewer/picture/picture.h"
 
 namespace sparsha::viewer {
 

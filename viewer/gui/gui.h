@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "viewer/actions.h"
+#include "viewer/actions/actions.h"
 #include "viewer/frame.h"
 #include "viewer/gui/brush.h"
 

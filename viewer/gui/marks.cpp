@@ -12,9 +12,9 @@
 
 #include <imgui.h>
 
-#include "base/text.h"
+#include "base/text/text.h"
 #include "viewer/gui/parts.h"
-#include "viewer/picture.h"
+#include "viewer/picture/picture.h"
 
 namespace sparsha::viewer {
 namespace {

@@ -6,12 +6,12 @@
 
 #include <imgui.h>
 
-#include "base/text.h"
+#include "base/text/text.h"
 #include "haptics/state/stone_gives.h"
 #include "scene/scene.h"
 #include "viewer/gui/gui.h"
 #include "viewer/gui/parts.h"
-#include "viewer/picture.h"
+#include "viewer/picture/picture.h"
 
 namespace sparsha::viewer {
 namespace {

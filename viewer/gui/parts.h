@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "viewer/actions.h"
+#include "viewer/actions/actions.h"
 #include "viewer/frame.h"
 #include "viewer/gui/brush.h"
 

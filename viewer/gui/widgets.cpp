@@ -7,7 +7,7 @@
 #include <imgui.h>
 
 #include "viewer/gui/parts.h"
-#include "viewer/picture.h"
+#include "viewer/picture/picture.h"
 
 namespace sparsha::viewer {
 namespace {

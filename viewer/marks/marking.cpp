@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "scene/folder/folder.h"
-#include "scene/length_unit.h"
+#include "scene/frame/length_unit.h"
 #include "scene/scene.h"
 #include "viewer/frame.h"
 

@@ -9,8 +9,8 @@
 
 #include "haptics/state/requests.h"
 #include "scene/config/parts.h"
-#include "viewer/actions.h"
-#include "viewer/camera.h"
+#include "viewer/actions/actions.h"
+#include "viewer/camera/camera.h"
 #include "viewer/hand.h"
 #include "viewer/marks/marks.h"
 

@@ -11,9 +11,9 @@
 #include <Eigen/Geometry>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/text.h"
-#include "base/yaml.h"
+#include "base/files/files.h"
+#include "base/text/text.h"
+#include "base/yaml/yaml.h"
 
 namespace sparsha::viewer {
 namespace {

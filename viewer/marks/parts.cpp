@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "scene/regions.h"
+#include "scene/area/regions.h"
 #include "scene/scene.h"
 #include "viewer/marks/marking.h"
 

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "base/files.h"
+#include "base/files/files.h"
 #include "scene/scene.h"
 
 namespace sparsha::viewer {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "scene/charts.h"
 
 namespace sparsha::viewer {

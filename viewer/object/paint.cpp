@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 
 namespace sparsha::viewer {
 namespace {

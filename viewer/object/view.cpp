@@ -12,7 +12,7 @@
 
 #include <Eigen/LU>
 
-#include "base/statistics.h"
+#include "base/numbers/statistics.h"
 #include "viewer/gl/shaders.h"
 
 namespace sparsha::viewer {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "viewer/camera.h"
+#include "viewer/camera/camera.h"
 #include "viewer/gl/objects.h"
 #include "viewer/object/mesh.h"
 #include "viewer/surface/paint.h"

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 
 namespace sparsha::viewer {
 

@@ -10,10 +10,10 @@
 
 #include <fmt/format.h>
 
-#include "base/statistics.h"
-#include "scene/friction_law.h"
+#include "base/numbers/statistics.h"
+#include "scene/frame/workspace.h"
+#include "scene/material/friction_law.h"
 #include "scene/scene.h"
-#include "scene/workspace.h"
 #include "viewer/surface/layer_blur.h"
 
 namespace sparsha::viewer {

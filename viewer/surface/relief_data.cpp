@@ -7,8 +7,8 @@
 #include <numeric>
 #include <utility>
 
-#include "base/statistics.h"
-#include "scene/continuation.h"
+#include "base/numbers/statistics.h"
+#include "scene/ground/continuation.h"
 #include "scene/scene.h"
 #include "viewer/surface/height_light.h"
 

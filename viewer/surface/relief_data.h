@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "scene/depth_grid.h"
 #include "scene/scene_fwd.h"
 #include "viewer/surface/joints.h"

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "viewer/camera.h"
+#include "viewer/camera/camera.h"
 #include "viewer/gl/objects.h"
 #include "viewer/surface/look.h"
 #include "viewer/surface/mesh.h"

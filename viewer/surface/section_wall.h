@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "viewer/camera.h"
+#include "viewer/camera/camera.h"
 #include "viewer/gl/objects.h"
 
 namespace sparsha::viewer {

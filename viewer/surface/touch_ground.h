@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "haptics/state/state.h"
-#include "scene/touched_view.h"
+#include "scene/frame/touched_view.h"
 
 namespace sparsha::viewer {
 

@@ -8,7 +8,7 @@
 #include "viewer/controller/controller.h"
 #include "viewer/gui/gui.h"
 #include "viewer/kiosk/attract.h"
-#include "viewer/picture.h"
+#include "viewer/picture/picture.h"
 #include "viewer/viewer.h"
 
 struct GLFWwindow;

@@ -5,7 +5,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-#include "viewer/actions.h"
+#include "viewer/actions/actions.h"
 
 namespace sparsha::viewer {
 namespace {

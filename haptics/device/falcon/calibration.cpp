@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/phrases.h"
-#include "base/yaml.h"
+#include "base/files/files.h"
+#include "base/phrases/phrases.h"
+#include "base/yaml/yaml.h"
 #include "haptics/device/falcon/link.h"
 #include "haptics/governor/adaptive_velocity.h"
 

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 
 namespace sparsha::haptics {
 namespace {

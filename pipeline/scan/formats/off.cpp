@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "pipeline/scan/scalar.h"
 #include "pipeline/scan/text.h"
 

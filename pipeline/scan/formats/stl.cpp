@@ -3,9 +3,9 @@
 #include <array>
 #include <bit>
 
-#include "base/hash.h"
-#include "base/key_table.h"
-#include "base/lower_case.h"
+#include "base/numbers/hash.h"
+#include "base/numbers/key_table.h"
+#include "base/text/lower_case.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {

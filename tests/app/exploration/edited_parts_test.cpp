@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "haptics/device/pointer/pointer_device.h"
 #include "haptics/session/session.h"
 #include "tests/support/changing_scenes.h"

@@ -10,7 +10,7 @@
 
 #include "app/exploration/edited_parts.h"
 #include "app/raw_scans/depth_scans.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/build/build.h"
 #include "scene/folder/folder.h"
 #include "tests/app/program.h"

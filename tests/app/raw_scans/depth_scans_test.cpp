@@ -13,10 +13,10 @@
 #include <fmt/format.h>
 
 #include "app/exploration/edited_parts.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/build/build.h"
+#include "scene/area/regions.h"
 #include "scene/folder/folder.h"
-#include "scene/regions.h"
 #include "tests/support/part_scenes.h"
 #include "tests/support/test_folder.h"
 #include "viewer/cloud/orientation.h"

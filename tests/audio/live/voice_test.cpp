@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/sound_limits.h"
+#include "scene/material/sound_limits.h"
 #include "tests/audio/audio_scene.h"
 
 namespace {

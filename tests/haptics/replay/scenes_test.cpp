@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "haptics/replay/kept_folder.h"
 #include "haptics/replay/recorded_scenes.h"
 #include "haptics/replay/replay_trace.h"

@@ -13,7 +13,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/smooth_step.h"
+#include "base/numbers/smooth_step.h"
 #include "tests/support/driven_hand.h"
 #include "tests/support/touch_loop.h"
 #include "tests/support/whole_scenes.h"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "base/phrases.h"
+#include "base/phrases/phrases.h"
 #include "haptics/session/guide_control.h"
 #include "haptics/session/guide_line.h"
 #include "haptics/session/navigator.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/phrases.h"
+#include "base/phrases/phrases.h"
 #include "haptics/session/session.h"
 #include "tests/support/placed_hand.h"
 #include "tests/support/recorded_runs.h"

@@ -10,7 +10,7 @@
 #include "haptics/session/guide_line.h"
 #include "haptics/session/navigator.h"
 #include "haptics/session/session.h"
-#include "scene/regions.h"
+#include "scene/area/regions.h"
 #include "tests/support/guided_hand.h"
 #include "tests/support/part_scenes.h"
 #include "tests/support/servo_parts.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/phrases.h"
+#include "base/phrases/phrases.h"
 #include "haptics/session/announcer.h"
 #include "tests/support/scenes.h"
 

@@ -11,8 +11,8 @@
 
 #include "haptics/servo/haptic_renderer.h"
 #include "haptics/window/window.h"
-#include "scene/beyond.h"
-#include "scene/continuation.h"
+#include "scene/ground/beyond.h"
+#include "scene/ground/continuation.h"
 #include "tests/support/scenes.h"
 #include "tests/support/servo_parts.h"
 

@@ -1,5 +1,5 @@
 // Touching with a ball: the dilation against brute force and against surfaces whose offset is known.
-#include "scene/fingertip.h"
+#include "scene/ground/fingertip.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Core>
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "haptics/window/window.h"
 #include "tests/support/scenes.h"
 

@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/build/build.h"
 #include "pipeline/build/recheck.h"
 #include "pipeline/export/export.h"

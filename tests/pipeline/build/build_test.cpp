@@ -11,7 +11,7 @@
 #include <Eigen/Geometry>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/build/build.h"
 #include "pipeline/build/recheck.h"
 #include "pipeline/suggest/suggest.h"

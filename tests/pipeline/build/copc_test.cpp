@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/build/build.h"
 #include "pipeline/suggest/suggest.h"
 #include "scene/scene.h"

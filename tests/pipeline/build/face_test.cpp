@@ -8,8 +8,8 @@
 #include <Eigen/Geometry>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/yaml.h"
+#include "base/files/files.h"
+#include "base/yaml/yaml.h"
 #include "pipeline/build/build.h"
 #include "scene/scene.h"
 #include "tests/support/test_folder.h"

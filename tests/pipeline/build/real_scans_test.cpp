@@ -15,8 +15,8 @@
 #include <thread>
 
 #include "base/error.h"
-#include "base/statistics.h"
-#include "base/yaml.h"
+#include "base/numbers/statistics.h"
+#include "base/yaml/yaml.h"
 #include "haptics/device/simulated/simulated_device.h"
 #include "haptics/session/session.h"
 #include "pipeline/build/build.h"

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/build/build.h"
 #include "pipeline/build/recheck.h"
 #include "scene/scene.h"

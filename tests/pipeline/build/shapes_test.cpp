@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/layers/layers.h"
 #include "scene/scene.h"
 #include "tests/support/grids.h"

@@ -10,9 +10,9 @@
 #include <string>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/build/build.h"
-#include "scene/regions.h"
+#include "scene/area/regions.h"
 #include "tests/support/part_scenes.h"
 #include "tests/support/test_folder.h"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/yaml.h"
+#include "base/files/files.h"
+#include "base/yaml/yaml.h"
 #include "pipeline/build/build.h"
 #include "pipeline/build/warnings.h"
 #include "scene/config/config.h"

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <numeric>
 
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 #include "pipeline/check/nearest.h"
 #include "pipeline/check/points.h"
 #include "pipeline/check/statistics.h"

@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/export/export.h"
 #include "pipeline/scan/reader.h"
-#include "scene/friction_law.h"
-#include "scene/region_frame.h"
+#include "scene/area/region_frame.h"
+#include "scene/frame/workspace.h"
+#include "scene/material/friction_law.h"
 #include "scene/scene.h"
-#include "scene/workspace.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {

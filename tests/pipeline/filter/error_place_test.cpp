@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
-#include "base/yaml.h"
+#include "base/yaml/yaml.h"
 #include "pipeline/filter/filter.h"
 #include "pipeline/filter/streamed.h"
 #include "scene/config/config.h"

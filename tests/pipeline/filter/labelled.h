@@ -10,7 +10,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/context.h"
+#include "base/threads/context.h"
 #include "pipeline/scan/cloud.h"
 
 namespace sparsha::pipeline {

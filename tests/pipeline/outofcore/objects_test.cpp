@@ -12,8 +12,8 @@
 
 #include <Eigen/Core>
 
-#include "base/files.h"
-#include "base/yaml.h"
+#include "base/files/files.h"
+#include "base/yaml/yaml.h"
 #include "scene/config/config.h"
 #include "tests/pipeline/outofcore/two_builds.h"
 

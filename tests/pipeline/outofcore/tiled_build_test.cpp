@@ -16,8 +16,8 @@
 #include <Eigen/Core>
 
 #include "base/error.h"
-#include "base/files.h"
-#include "base/yaml.h"
+#include "base/files/files.h"
+#include "base/yaml/yaml.h"
 #include "pipeline/build/build.h"
 #include "pipeline/simulate/simulate.h"
 #include "scene/scene.h"

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/projection/bins.h"
 #include "pipeline/projection/simd/kernels.h"
 

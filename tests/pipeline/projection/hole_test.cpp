@@ -13,7 +13,7 @@
 
 #include <Eigen/Core>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/scan/reader.h"
 #include "tests/support/clouds.h"
 

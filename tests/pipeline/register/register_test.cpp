@@ -4,7 +4,7 @@
 #include <bit>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "scene/config/config.h"
 #include "tests/pipeline/register/stations.h"
 

@@ -14,7 +14,7 @@
 #include <sstream>
 #include <string>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/replica/replica.h"
 #include "pipeline/replica/whole_replica.h"
 #include "tests/support/ball_scene.h"

@@ -1,6 +1,6 @@
 // report.json by its contract, the pictures pixel by pixel, report.html by the rules of accessibility.
 #include "pipeline/report/report.h"
-#include "base/html.h"
+#include "base/text/html.h"
 #include "pipeline/report/html.h"
 
 #include <gmock/gmock.h>

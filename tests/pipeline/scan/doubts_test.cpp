@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <Eigen/Geometry>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/pieces.h"
 #include "pipeline/scan/set.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/scan/set.h"
 #include "pipeline/scan/statistics.h"
 #include "pipeline/scan/worth.h"

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <Eigen/Geometry>
 
-#include "base/files.h"
-#include "base/progress.h"
+#include "base/files/files.h"
+#include "base/threads/progress.h"
 #include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/set.h"
 #include "pipeline/scan/statistics.h"

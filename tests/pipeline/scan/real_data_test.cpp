@@ -6,8 +6,8 @@
 
 #include <gmock/gmock.h>
 
-#include "base/progress.h"
 #include "base/system.h"
+#include "base/threads/progress.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {

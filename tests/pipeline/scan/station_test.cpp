@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "base/files.h"
-#include "base/progress.h"
+#include "base/files/files.h"
+#include "base/threads/progress.h"
 #include "pipeline/scan/set.h"
 #include "tests/support/test_folder.h"
 

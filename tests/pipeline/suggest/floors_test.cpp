@@ -11,9 +11,9 @@
 
 #include <Eigen/Geometry>
 
-#include "base/files.h"
-#include "base/thread_pool.h"
-#include "base/yaml.h"
+#include "base/files/files.h"
+#include "base/threads/thread_pool.h"
+#include "base/yaml/yaml.h"
 #include "pipeline/build/build.h"
 #include "pipeline/suggest/floors.h"
 #include "pipeline/suggest/suggest.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/suggest/suggest.h"
 #include "tests/support/test_folder.h"
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/build/build.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/suggest/group.h"

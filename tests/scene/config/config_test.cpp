@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "base/yaml.h"
+#include "base/yaml/yaml.h"
 #include "scene/config/config.h"
 
 namespace sparsha::scene {

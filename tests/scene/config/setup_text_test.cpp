@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "base/yaml.h"
+#include "base/yaml/yaml.h"
 #include "scene/config/config.h"
 
 namespace sparsha::scene {

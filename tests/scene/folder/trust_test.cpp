@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "base/files.h"
+#include "base/files/files.h"
 #include "scene/folder/folder.h"
 #include "scene/scene.h"
 #include "tests/support/test_folder.h"

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 #include <pcl/point_types.h>
 
-#include "base/context.h"
 #include "base/error.h"
+#include "base/threads/context.h"
 #include "pipeline/projection/projection.h"
 #include "scene/config/grid.h"
 #include "scene/config/haptics.h"

@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/yaml.h"
+#include "base/yaml/yaml.h"
 #include "scene/config/config.h"
 #include "viewer/cloud/orientation.h"
 

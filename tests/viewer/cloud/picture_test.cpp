@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "base/png.h"
+#include "base/png/png.h"
 #include "tests/viewer/cloud/points.h"
 #include "tests/viewer/relief_scene.h"
 #include "tests/viewer/studio.h"

@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "viewer/actions.h"
+#include "viewer/actions/actions.h"
 #include "viewer/kiosk/attract.h"
 
 namespace sparsha::viewer::test {

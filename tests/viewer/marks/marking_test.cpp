@@ -11,7 +11,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "base/files.h"
+#include "base/files/files.h"
 #include "scene/folder/folder.h"
 #include "tests/support/part_scenes.h"
 #include "tests/support/test_folder.h"

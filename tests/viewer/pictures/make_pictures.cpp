@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/png.h"
+#include "base/png/png.h"
 #include "tests/viewer/relief_scene.h"
 #include "tests/viewer/studio.h"
 #include "tests/viewer/views.h"

@@ -11,7 +11,7 @@
 #include <random>
 
 #include "tests/viewer/relief_scene.h"
-#include "viewer/camera.h"
+#include "viewer/camera/camera.h"
 #include "viewer/gui/gui.h"
 #include "viewer/surface/colour_maps.h"
 #include "viewer/surface/height_light.h"

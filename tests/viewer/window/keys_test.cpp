@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "viewer/actions.h"
+#include "viewer/actions/actions.h"
 #include "viewer/cloud/controller.h"
 
 namespace sparsha::viewer::test {

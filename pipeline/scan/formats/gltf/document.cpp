@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "base/base64.h"
+#include "base/text/base64.h"
 #include "pipeline/scan/formats/gltf/meshopt.hpp"
 #include "pipeline/scan/text.h"
 

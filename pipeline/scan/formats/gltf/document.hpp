@@ -12,7 +12,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/scan/file.h"
 
 namespace sparsha::pipeline::gltf {

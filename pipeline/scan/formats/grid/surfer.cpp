@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "pipeline/scan/formats/grid/heights.h"
 
 namespace sparsha::pipeline {

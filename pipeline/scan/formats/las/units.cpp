@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "pipeline/scan/formats/las/header.h"
 #include "pipeline/scan/text.h"
 #include "pipeline/scan/units.h"

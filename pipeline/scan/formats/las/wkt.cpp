@@ -1,7 +1,7 @@
 // The little of OGC well-known text that tells units: KEYWORD[value, ..., KEYWORD[...], ...].
 #include <vector>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "pipeline/scan/formats/las/header.h"
 #include "pipeline/scan/text.h"
 

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline::pcd {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "pipeline/scan/formats/pcd/header.h"
 #include "pipeline/scan/formats/pcd/lzf.h"
 #include "pipeline/scan/text.h"

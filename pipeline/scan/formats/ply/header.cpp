@@ -1,7 +1,7 @@
 // The header of a PLY file, checked line by line.
 #include <algorithm>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "pipeline/scan/formats/ply/ply.h"
 #include "pipeline/scan/text.h"
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/hash.h"
+#include "base/numbers/hash.h"
 
 namespace sparsha::pipeline {
 namespace {

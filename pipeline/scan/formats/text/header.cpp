@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {

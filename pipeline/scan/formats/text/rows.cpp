@@ -4,7 +4,7 @@
 #include <cstring>
 #include <limits>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {

@@ -1,6 +1,6 @@
 #include <utility>
 
-#include "base/png_reader.h"
+#include "base/png/png_reader.h"
 #include "pipeline/scan/formats/texture/picture.h"
 
 namespace sparsha::pipeline::pictures {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <set>
 
-#include "base/lower_case.h"
+#include "base/text/lower_case.h"
 #include "pipeline/scan/formats/threemf/xml.h"
 #include "pipeline/scan/text.h"
 

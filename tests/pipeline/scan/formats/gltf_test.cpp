@@ -10,7 +10,7 @@
 
 #include <Eigen/Geometry>
 
-#include "base/files.h"
+#include "base/files/files.h"
 #include "pipeline/scan/writer.h"
 #include "tests/pipeline/scan/formats/gltf_files.h"
 #include "tests/support/scan_files.h"

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "base/base64.h"
-#include "base/png.h"
+#include "base/png/png.h"
+#include "base/text/base64.h"
 #include "pipeline/scan/formats/texture/texture.h"
 #include "pipeline/scan/writer.h"
 #include "tests/pipeline/scan/formats/gltf_files.h"

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/thread_pool.h"
+#include "base/threads/thread_pool.h"
 #include "pipeline/scan/formats/las/laz/chunk_table.h"
 #include "pipeline/scan/formats/las/laz/layers.h"
 #include "pipeline/scan/formats/las/laz/packing.h"

@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-#include "base/png.h"
+#include "base/png/png.h"
 #include "tests/pipeline/scan/formats/e57/e57_file.h"
 
 namespace sparsha::pipeline {

@@ -9,7 +9,7 @@
 #include <random>
 #include <tuple>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/scan/set.h"
 #include "tests/support/copc_file.h"
 

@@ -1,7 +1,7 @@
 // LAS: versions, point formats, scales, flags, units, and headers that lie.
 #include <gmock/gmock.h>
 
-#include "base/progress.h"
+#include "base/threads/progress.h"
 #include "pipeline/scan/formats/las/header.h"
 #include "tests/support/las_files.h"
 #include "tests/support/scan_files.h"
