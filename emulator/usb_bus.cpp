@@ -46,6 +46,8 @@ UsbBus::UsbBus(std::vector<std::shared_ptr<Falcon>>, const BusFaults&) {
 UsbBus::~UsbBus() = default;
 void UsbBus::unplug(std::size_t) {}
 void UsbBus::replug(std::size_t, bool) {}
+void UsbBus::hold_writes(std::size_t, bool) {}
+double UsbBus::requests_per_command(std::size_t) const { return -1.0; }
 double UsbBus::now_s() const { return 0.0; }
 
 #else
@@ -233,6 +235,17 @@ UsbBus::UsbBus(std::vector<std::shared_ptr<Falcon>> falcons, const BusFaults& fa
 UsbBus::~UsbBus() = default;
 void UsbBus::unplug(std::size_t port) { implementation_->unplug(port, true); }
 void UsbBus::replug(std::size_t port, bool power) { implementation_->replug(port, power); }
+void UsbBus::hold_writes(std::size_t port, bool on) {
+  {
+    const std::lock_guard lock(implementation_->mutex);
+    implementation_->places.at(port)->port->hold_writes(on, implementation_->now_s());
+  }
+  implementation_->wake.notify_all();
+}
+double UsbBus::requests_per_command(std::size_t port) const {
+  const std::lock_guard lock(implementation_->mutex);
+  return implementation_->places.at(port)->port->requests_per_command();
+}
 double UsbBus::now_s() const { return implementation_->now_s(); }
 
 #endif

@@ -39,6 +39,12 @@ class UsbBus {
   /// With a new address, as any device that is plugged in again. `power`: it had its own supply and has lost nothing.
   void replug(std::size_t port, bool power);
 
+  /// While on, writes wait for the device, which takes none.
+  void hold_writes(std::size_t port, bool on);
+  /// Requests of the bus (submitting, reaping, asking in vain) for each command since the last control transfer, which
+  /// ends the opening; negative: too few to tell.
+  [[nodiscard]] double requests_per_command(std::size_t port) const;
+
   /// On the clock of the wire's log.
   [[nodiscard]] double now_s() const;
 

@@ -37,6 +37,7 @@ void UsbPort::forget(UMockdevIoctlClient* client) {
   const auto found = clients_.find(client);
   if (found == clients_.end()) return;
   for (const Block& block : found->second.waiting) umockdev_.unref(block.data);
+  for (const Block& block : found->second.held) umockdev_.unref(block.data);
   for (const Block& block : found->second.finished) umockdev_.unref(block.data);
   if (found->second.reaping != nullptr) umockdev_.unref(found->second.reaping);
   clients_.erase(found);
@@ -78,6 +79,7 @@ int UsbPort::claim(Client& client, bool steal) {
 }
 
 void UsbPort::end_all(Client& client, int status) {
+  if (status == -ENODEV || status == -ENOENT) client.waiting.splice(client.waiting.end(), client.held);
   for (Block& block : client.waiting) {
     block.urb().status = status;
     block.urb().actual_length = 0;
@@ -109,6 +111,8 @@ void UsbPort::take_out(std::span<const std::uint8_t> bytes, double now_s) {
 
 void UsbPort::control(Client& client, const Block& block, double now_s) {
   constexpr std::size_t kSetup = 8;
+  requests_ = 0;
+  commands_before_ = falcon_->commands();
   std::uint8_t* const setup = block.bytes();
   const auto value = static_cast<std::uint16_t>(setup[2] | (setup[3] << 8U));
   bool known = false;
@@ -177,6 +181,15 @@ int UsbPort::submit(Client& client, UMockdevIoctlData* argument, double now_s) {
     return 0;
   }
   if (urb.endpoint != kOut || buffer == nullptr) return ENOENT;
+  if (holds_writes_)
+    client.held.push_back(block);
+  else
+    write_out(client, block, now_s);
+  return 0;
+}
+
+void UsbPort::write_out(Client& client, const Block& block, double now_s) {
+  usbdevfs_urb& urb = block.urb();
   if (fails(now_s)) {
     urb.status = -EPROTO;
     urb.actual_length = 0;
@@ -185,7 +198,12 @@ int UsbPort::submit(Client& client, UMockdevIoctlData* argument, double now_s) {
     urb.actual_length = urb.buffer_length;
   }
   client.finished.push_back(block);
-  return 0;
+}
+
+void UsbPort::hold_writes(bool on, double now_s) {
+  holds_writes_ = on;
+  for (auto& [handle, client] : clients_)
+    for (; !on && !client.held.empty(); client.held.pop_front()) write_out(client, client.held.front(), now_s);
 }
 
 int UsbPort::bulk(Client& client, UMockdevIoctlData* argument, double now_s) {
@@ -199,6 +217,7 @@ int UsbPort::bulk(Client& client, UMockdevIoctlData* argument, double now_s) {
     error = ENOENT;
   else if (!client.claims)
     error = claim(client, false);
+  if (error == 0 && holds_writes_) error = ETIMEDOUT;
   if (error == 0 && fails(now_s)) error = EPROTO;
   if (error == 0) take_out({bytes->data, transfer.len}, now_s);
   if (bytes != nullptr) umockdev_.unref(bytes);
@@ -208,14 +227,15 @@ int UsbPort::bulk(Client& client, UMockdevIoctlData* argument, double now_s) {
 
 int UsbPort::discard(Client& client, UMockdevIoctlData* argument) {
   const gulong address = *reinterpret_cast<gulong*>(argument->data);
-  for (auto block = client.waiting.begin(); block != client.waiting.end(); ++block) {
-    if (block->data->client_addr != address) continue;
-    block->urb().status = -ENOENT;
-    block->urb().actual_length = 0;
-    client.finished.push_back(*block);
-    client.waiting.erase(block);
-    return 0;
-  }
+  for (std::list<Block>* const list : {&client.waiting, &client.held})
+    for (auto block = list->begin(); block != list->end(); ++block) {
+      if (block->data->client_addr != address) continue;
+      block->urb().status = -ENOENT;
+      block->urb().actual_length = 0;
+      client.finished.push_back(*block);
+      list->erase(block);
+      return 0;
+    }
   return EINVAL;
 }
 
@@ -268,6 +288,7 @@ void UsbPort::let_go(UMockdevIoctlClient* handle, Client& client, int error) {
 
 void UsbPort::handle(UMockdevIoctlClient* handle, double now_s) {
   Client& client = client_of(handle);
+  ++requests_;
   UMockdevIoctlData* argument = umockdev_.get_arg(handle);
   const gulong request = umockdev_.get_request(handle);
   const auto done = [&](int error) { umockdev_.complete(handle, error == 0 ? 0 : -1, error); };
@@ -343,6 +364,12 @@ void UsbPort::serve(double now_s) {
     if (client.reaping != nullptr && (!client.finished.empty() || now_s >= client.reaping_until_s))
       let_go(handle, client, EAGAIN);
   }
+}
+
+double UsbPort::requests_per_command() const {
+  constexpr std::uint64_t kFew = 100;
+  const std::uint64_t commands = falcon_->commands() - commands_before_;
+  return commands < kFew ? -1.0 : static_cast<double>(requests_) / static_cast<double>(commands);
 }
 
 double UsbPort::next_s() const {

@@ -39,6 +39,11 @@ class UsbPort {
   /// When the motors were told to push for the first time; negative: never.
   [[nodiscard]] double first_force_s() const { return first_force_s_; }
   void count_from_now() { first_force_s_ = -1.0; }
+  /// While on, the device takes no writes: they wait, as on a bus whose other end says NAK.
+  void hold_writes(bool on, double now_s);
+  /// Calls of the system that a program has made here for each command that it sent, since its last control transfer;
+  /// negative: too few to tell.
+  [[nodiscard]] double requests_per_command() const;
 
  private:
   /// A request block on its way; a reference of ours.
@@ -50,6 +55,7 @@ class UsbPort {
   struct Client {
     bool claims = false;
     std::list<Block> waiting;  ///< reads without a packet yet
+    std::list<Block> held;     ///< writes that the device does not take
     std::deque<Block> finished;
     UMockdevIoctlData* reaping = nullptr;  ///< where the client, which waits, finds what has finished, until
     double reaping_until_s = 0.0;
@@ -78,6 +84,7 @@ class UsbPort {
   bool hand_back(UMockdevIoctlClient* handle, Client& client);
   /// Ends the waiting of a client: with what has finished, else with an error.
   void let_go(UMockdevIoctlClient* handle, Client& client, int error);
+  void write_out(Client& client, const Block& block, double now_s);
   void take_out(std::span<const std::uint8_t> bytes, double now_s);
   [[nodiscard]] bool fails(double now_s);
   void end_all(Client& client, int status);
@@ -87,10 +94,11 @@ class UsbPort {
   BusFaults faults_;
   std::map<UMockdevIoctlClient*, Client> clients_;
   std::shared_ptr<Freed> freed_ = std::make_shared<Freed>();
-  bool stalled_ = false;
+  bool stalled_ = false, holds_writes_ = false;
   double next_stall_s_ = 0.0;
   double first_force_s_ = -1.0;
   std::uint64_t transfers_ = 0;
+  std::uint64_t requests_ = 0, commands_before_ = 0;  // since, and at, the last control transfer
 };
 
 }  // namespace sparsha::emulator

@@ -185,6 +185,7 @@ int run_emulate(const Arguments& arguments, const CommonOptions& common) {
     if (common.json) command.insert(command.begin() + 1, "--json");
   }
   int code = 0;
+  double requests = -1.0;
   {
     // The device's own time does not wait for this machine's other programs, where that is granted. The bus's threads
     // inherit it; COMMAND does not.
@@ -201,11 +202,14 @@ int run_emulate(const Arguments& arguments, const CommonOptions& common) {
     constexpr int kLooks = 100;
     for (int look = 0; look < kLooks && falcon->motors() != std::array<int, 3>{}; ++look)
       std::this_thread::sleep_for(kLook);
+    requests = bus.requests_per_command(0);
   }
   const bool force = falcon->motors() != std::array<int, 3>{};
   terminal.message(
-      fmt::format("emulated Falcon: {} commands, {} of them with force before homing; motors {} at the end",
-                  falcon->commands(), falcon->unsafe_commands(), force ? "ON" : "off"));
+      fmt::format("emulated Falcon: {} commands, {} of them with force before homing{}; motors {} at the end",
+                  falcon->commands(), falcon->unsafe_commands(),
+                  requests < 0.0 ? "" : fmt::format("; {:.1f} requests of the bus for each", requests),
+                  force ? "ON" : "off"));
   if (force) return static_cast<int>(ErrorKind::device);
   if (code == 0) log.finish();  // else what the command says counts more
   return code;

@@ -24,7 +24,9 @@ using Steady = std::chrono::steady_clock;
 constexpr unsigned char kOut = 0x02, kIn = 0x81;
 constexpr int kInterface = 0;
 constexpr unsigned kControlTimeout_ms = 1000;
-constexpr unsigned kPostTimeout_ms = 100;
+/// A question that the bus has not taken by then is called back. Not by libusb's own time-out, whose timer is set and
+/// stopped for every transfer: two calls of the system a tick.
+constexpr std::int64_t kPostTimeout_ns = 100'000'000;
 constexpr std::int64_t kFailsForGood_ns = 1'000'000'000;
 constexpr std::chrono::microseconds kRetryPause{500};
 constexpr std::size_t kPosts = 4, kUrgent = 4, kReceived = 8;
@@ -117,6 +119,8 @@ class UsbTransport final : public Transport {
     if (incoming_.busy.load()) libusb_cancel_transfer(incoming_.transfer);
     while (busy() && Steady::now() < limit) {
       timeval wait{0, 10000};
+      for (Slot& slot : posts_) call_back_late(slot);
+      for (Slot& slot : urgents_) call_back_late(slot);
       libusb_handle_events_timeout_completed(context_.get(), &wait, nullptr);
     }
     if (!busy()) {  // else the system still owns them: better lost than freed
@@ -212,6 +216,7 @@ class UsbTransport final : public Transport {
     libusb_transfer* transfer = nullptr;
     std::array<std::uint8_t, kUsbPacketBytes> bytes{};
     std::atomic<bool> busy{false};
+    std::atomic<std::int64_t> posted_ns{0};
     UsbTransport* owner = nullptr;
   };
   struct Received {
@@ -252,18 +257,31 @@ class UsbTransport final : public Transport {
     return status;
   }
 
+  /// Its end then comes as any other does. A slot that has just been filled anew is not late.
+  static void call_back_late(Slot& slot) noexcept {
+    const std::int64_t now_ns = Steady::now().time_since_epoch().count();
+    std::int64_t posted_ns = slot.posted_ns.load(std::memory_order_relaxed);
+    if (slot.transfer == nullptr || posted_ns == 0 || now_ns - posted_ns < kPostTimeout_ns) return;
+    if (slot.posted_ns.compare_exchange_strong(posted_ns, now_ns)) libusb_cancel_transfer(slot.transfer);
+  }
+
   template <std::size_t N>
   TransportStatus submit(std::array<Slot, N>& slots, std::span<const std::uint8_t> bytes) noexcept {
     if (gone_.load(std::memory_order_relaxed)) return TransportStatus::gone;
     for (Slot& slot : slots) {
       bool idle = false;
-      if (slot.transfer == nullptr || !slot.busy.compare_exchange_strong(idle, true)) continue;
+      if (slot.transfer == nullptr || !slot.busy.compare_exchange_strong(idle, true)) {
+        call_back_late(slot);
+        continue;
+      }
+      slot.posted_ns.store(Steady::now().time_since_epoch().count(), std::memory_order_relaxed);
       const std::size_t size = std::min(bytes.size(), slot.bytes.size());
       std::memcpy(slot.bytes.data(), bytes.data(), size);
       libusb_fill_bulk_transfer(slot.transfer, handle_, kOut, slot.bytes.data(), static_cast<int>(size), &sent, &slot,
-                                kPostTimeout_ms);
+                                0);
       const int status = libusb_submit_transfer(slot.transfer);
       if (status == 0) return TransportStatus::ok;
+      slot.posted_ns.store(0, std::memory_order_relaxed);
       slot.busy.store(false);
       return status == LIBUSB_ERROR_BUSY ? TransportStatus::nothing : status_of(status);
     }
@@ -277,6 +295,7 @@ class UsbTransport final : public Transport {
       case LIBUSB_TRANSFER_NO_DEVICE:
         return LIBUSB_ERROR_NO_DEVICE;
       case LIBUSB_TRANSFER_TIMED_OUT:
+      case LIBUSB_TRANSFER_CANCELLED:
         return LIBUSB_ERROR_TIMEOUT;
       case LIBUSB_TRANSFER_STALL:
         return LIBUSB_ERROR_PIPE;
@@ -291,6 +310,7 @@ class UsbTransport final : public Transport {
       static_cast<void>(slot.owner->status_of(error_of(transfer->status)));
       if (transfer->status == LIBUSB_TRANSFER_STALL) slot.owner->out_stalled_.store(true);
     }
+    slot.posted_ns.store(0, std::memory_order_relaxed);  // first: a slot of another time is not late
     slot.busy.store(false);
   }
 

@@ -1,6 +1,7 @@
 // The real libusb against an emulated bus: finding, opening, firmware, forces, unplugging.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <random>
 #include <string_view>
 
@@ -8,6 +9,8 @@
 #include "emulator/usb_bus.h"
 #include "haptics/device/falcon/check.h"
 #include "haptics/device/falcon/falcon.h"
+#include "haptics/device/falcon/link.h"
+#include "haptics/device/falcon/packet.h"
 #include "haptics/device/falcon/usb_transport.h"
 
 namespace {
@@ -90,6 +93,37 @@ TEST_F(UsbFalcon, FeelsTheHandAndPushesBack) {
   run(*device, 3);
   EXPECT_EQ(falcon->motors(), MotorCommand{});
   EXPECT_EQ(falcon->unsafe_commands(), 0U);
+}
+
+TEST_F(UsbFalcon, QuestionsThatTheBusDoesNotTakeAreCalledBackSoThatAZeroCanFollow) {
+  emulator::FalconOptions options;
+  options.homed = true;
+  plug(options);
+  const auto wire = open_usb_transport();
+  enter_run_mode(*wire);
+  const Packet force = encode({100, 100, 100}, kHomingRequest);
+  bus->hold_writes(0, true);
+  int posted = 0;
+  while (posted < 100 && wire->post(force) == TransportStatus::ok) ++posted;
+  ASSERT_LT(posted, 100);
+  const std::uint64_t before = falcon->commands();
+  UsbPacket bytes{};
+  std::size_t size = 0;
+  const auto began = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - began < std::chrono::milliseconds(200))  // all are late then
+    static_cast<void>(wire->receive(bytes, size, 0.005));
+  TransportStatus status = TransportStatus::nothing;
+  for (int look = 0; look < 1000 && status == TransportStatus::nothing; ++look) {
+    status = wire->post(encode({}, kHomingRequest));
+    static_cast<void>(wire->receive(bytes, size, 0.005));
+  }
+  EXPECT_EQ(status, TransportStatus::ok);
+  bus->hold_writes(0, false);
+  EXPECT_EQ(falcon->commands(), before + 1) << "an old force waited for the bus";
+  EXPECT_EQ(falcon->motors(), MotorCommand{});
+  // One that is never taken keeps nobody from closing.
+  bus->hold_writes(0, true);
+  EXPECT_EQ(wire->post(force), TransportStatus::ok);
 }
 
 TEST_F(UsbFalcon, EndsInZeroForceWhenClosed) {
