@@ -205,11 +205,10 @@ int run_emulate(const Arguments& arguments, const CommonOptions& common) {
     requests = bus.requests_per_command(0);
   }
   const bool force = falcon->motors() != std::array<int, 3>{};
-  terminal.message(
-      fmt::format("emulated Falcon: {} commands, {} of them with force before homing{}; motors {} at the end",
-                  falcon->commands(), falcon->unsafe_commands(),
-                  requests < 0.0 ? "" : fmt::format("; {:.1f} requests of the bus for each", requests),
-                  force ? "ON" : "off"));
+  terminal.message(fmt::format(
+      "emulated Falcon: {} commands, {} of them with force before homing{}; motors {} at the end", falcon->commands(),
+      falcon->unsafe_commands(), requests < 0.0 ? "" : fmt::format("; {:.1f} requests of the bus for each", requests),
+      force ? "ON" : "off"));
   if (force) return static_cast<int>(ErrorKind::device);
   if (code == 0) log.finish();  // else what the command says counts more
   return code;
