@@ -14,6 +14,7 @@
 #include "pipeline/filter/neighbour_tree.h"
 #include "pipeline/filter/outliers.h"
 #include "pipeline/filter/plane.h"
+#include "pipeline/filter/plane_doubt.h"
 #include "pipeline/filter/point_test.h"
 #include "pipeline/filter/smooth.h"
 #include "pipeline/filter/thin.h"
@@ -133,11 +134,6 @@ double spacing_of(const Cloud& cloud, const Context& context) {
   return static_cast<double>(median(nearest));
 }
 
-std::string share_text(std::uint64_t part, std::uint64_t whole) {
-  return fmt::format("{:.1f} %",
-                     100.0 * static_cast<double>(part) / static_cast<double>(std::max<std::uint64_t>(1, whole)));
-}
-
 /// Applies one filter after the other to a cloud.
 class FilterRun {
  public:
@@ -226,6 +222,7 @@ class FilterRun {
     }
     const FoundPlane plane = find_plane(sample, config, context_);
     step().found = to_string(plane);
+    step().of_object = plane.of_object;
     const std::uint64_t before = cloud_.size();
     for (std::size_t i = 0; i < cloud_.size(); ++i) {
       const double height = height_m(plane.cut, Eigen::Map<const Eigen::Vector3f>(xyz + 4 * i));
@@ -381,15 +378,6 @@ Error nothing_left(const std::string& filter, const std::string& found) {
           "a filter that keeps some points"};
 }
 
-void warn_of_plane(const FilterStep& step, std::uint64_t before, Progress& progress) {
-  if (step.removed == before || 3 * std::max(step.in_plane, step.removed) <= 2 * before) return;
-  const std::string what = fmt::format("'remove_plane' takes {} of the points away ({} lie in its plane): {}",
-                                       share_text(step.removed, before), share_text(step.in_plane, before), step.found);
-  progress.warn(what +
-                "; if that is the object itself, as the picture of the filters in the report shows, give another "
-                "normal, a smaller max_angle_deg or no 'remove_plane'");
-}
-
 std::string field_of(const scene::FilterConfig& filter) {
   if (const auto* field = std::get_if<scene::FieldConfig>(&filter)) return field_of(*field);
   if (const auto* classes = std::get_if<scene::ClassesConfig>(&filter)) return field_of(*classes);
@@ -404,6 +392,11 @@ std::vector<std::string> fields_of(const std::vector<scene::FilterConfig>& filte
     if (std::find(fields.begin(), fields.end(), field) == fields.end()) fields.push_back(field);
   }
   return fields;
+}
+
+std::string share_text(std::uint64_t part, std::uint64_t whole) {
+  return fmt::format("{:.1f} %",
+                     100.0 * static_cast<double>(part) / static_cast<double>(std::max<std::uint64_t>(1, whole)));
 }
 
 std::string unknown_text(std::uint64_t points) {

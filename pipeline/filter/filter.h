@@ -23,6 +23,7 @@ struct FilterStep {
   bool outliers = false;        ///< what it takes away are outliers, which the cross-check still counts
   bool merges = false;          ///< other points stand for those that are gone
   std::uint64_t in_plane = 0;   ///< of those that remove_plane takes away: within the plane's thickness
+  double of_object = 0.0;       ///< share of the object that goes with the plane (share_of_object())
   std::string found;            ///< what it found, in words; may be empty
   PointSample sample{kSample};  ///< of what it took away, scan frame; not of what is merged
 };
@@ -71,11 +72,11 @@ void at_key_of(const scene::FilterConfig& filter, const Work& work) {
 /// The field that a filter looks at; empty when it looks at none.
 [[nodiscard]] std::string field_of(const scene::FilterConfig& filter);
 
+/// "12.3 %".
+[[nodiscard]] std::string share_text(std::uint64_t part, std::uint64_t whole);
+
 /// What is said of points that stay since the scans say no value of them; empty when there are none.
 [[nodiscard]] std::string unknown_text(std::uint64_t points);
-
-/// A warning when most of the points lay in the plane: then it may be the object itself.
-void warn_of_plane(const FilterStep& step, std::uint64_t before, Progress& progress);
 
 /// Applies `filters` in order. Faces survive only while no point is taken away. `smooth` moves points and leaves their
 /// places as measured in cloud.measured. The result does not depend on the number of threads. Warns of what looks like

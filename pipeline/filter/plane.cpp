@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/text/text.h"
+#include "pipeline/filter/plane_doubt.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -205,6 +206,7 @@ FoundPlane find_plane(PlaneSample& sample, const scene::RemovePlaneConfig& confi
     throw no_plane(config, "what comes nearest is curved or rough, " + to_string(plane),
                    "a larger distance_mm where the floor itself is uneven, or no 'remove_plane'");
   }
+  plane.of_object = share_of_object(points, {fit.normal, fit.offset, distance, config.side});
   return plane;
 }
 

@@ -50,6 +50,7 @@ struct FoundPlane {
   double angle_deg = 0.0;  ///< between its normal and the one asked for
   double share = 0.0;      ///< of the sampled surface that lies within the distance
   double rms_m = 0.0;      ///< of that, about the plane
+  double of_object = 0.0;  ///< share_of_object() of the sampled surface
 };
 
 /// In words, for a report.

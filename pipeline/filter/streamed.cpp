@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pipeline/filter/plane.h"
+#include "pipeline/filter/plane_doubt.h"
 #include "pipeline/scan/value_test.h"
 #include "scene/config/config.h"
 
@@ -68,6 +69,7 @@ void StreamedFilters::add_plane(const ScanSet& scans, const scene::RemovePlaneCo
   }
   const FoundPlane plane = find_plane(sample, config, context);
   steps_.steps.back().found = to_string(plane);
+  steps_.steps.back().of_object = plane.of_object;
   tests_.emplace_back(PointTest(plane.cut));
 }
 
