@@ -1,0 +1,81 @@
+// Every key of the configuration with its values, unit, default and one sentence: what the JSON schema, the reference
+// in docs/configuration.md, the man page and `sparsha config keys` are made of. The readers in scene/config do not use
+// it; a test puts each row to them (tests/scene/keys), so that the two cannot disagree.
+#pragma once
+
+#include <limits>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace sparsha::scene {
+
+/// One kind of value that a key takes.
+struct Form {
+  enum class Kind {
+    nothing,  ///< the block with all its defaults: "fill:"
+    block,    ///< the keys below
+    list,     ///< of blocks
+    number,   ///< least to most
+    whole,    ///< least to most
+    toggle,   ///< true, on, yes; false, off, no
+    text,
+    file,     ///< a path, relative to the configuration
+    word,     ///< one of `words`
+    words,    ///< a list of them, `least` or more
+    wholes,   ///< a list of one whole number or more, each from least to most
+    numbers,  ///< a list of `least` numbers
+    matrix,   ///< 16 numbers row by row, or four lists of four
+    points    ///< a list of [x, y], `least` to `most` of them
+  };
+  Kind kind = Kind::text;
+  double least = 0.0;
+  double most = 0.0;
+  std::vector<std::string_view> words{};
+};
+
+/// Where a number has no limit that a reader would name: 1e-12 and 1e12 are there to catch slips.
+constexpr double kNoLeast = 1e-12;
+constexpr double kNoMost = 1e12;
+
+struct Key {
+  std::string_view path;    ///< "grid.size"; of what stands in a list "scans[].units"
+  std::vector<Form> forms;  ///< one of them
+  std::string_view unit;    ///< "mm"; empty: none
+  std::string_view absent;  ///< what its absence means, as YAML; empty: the sentence says it, or nothing is there then
+  std::string_view sentence;
+  bool required = false;
+};
+
+/// How many of some keys of one block may be there.
+struct Choice {
+  enum class Rule { at_most_one, just_one, at_least_one };
+  std::string_view block;
+  Rule rule = Rule::at_most_one;
+  std::vector<std::string_view> keys;
+};
+
+/// A key that means something beside another one alone.
+struct Company {
+  std::string_view block;
+  std::string_view key;
+  std::string_view other;
+};
+
+/// In the order of docs/configuration.md: a block stands before its keys.
+[[nodiscard]] std::span<const Key> config_keys();
+[[nodiscard]] std::span<const Choice> config_choices();
+[[nodiscard]] std::span<const Company> config_company();
+
+/// The keys of a block: those of "grid" are "grid.size" and so on; those of "scans[]" "scans[].file". "" is the root.
+[[nodiscard]] std::vector<const Key*> keys_of(std::string_view block);
+/// "grid" of "grid.size", "scans[]" of "scans[].file", "" of "scans".
+[[nodiscard]] std::string_view block_of(std::string_view path);
+/// "size" of "grid.size".
+[[nodiscard]] std::string_view name_of(std::string_view path);
+/// The row of that path or null.
+[[nodiscard]] const Key* find_key(std::string_view path);
+/// The form of that kind or null.
+[[nodiscard]] const Form* form_of(const Key& key, Form::Kind kind);
+
+}  // namespace sparsha::scene
