@@ -16,6 +16,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/system/confinement.h"
+
 extern char** environ;  // NOLINT(readability-redundant-declaration): not every system's unistd.h has it
 
 namespace sparsha::audio {
@@ -39,6 +41,20 @@ struct SpawnSetup {
   SpawnSetup(const SpawnSetup&) = delete;
   SpawnSetup& operator=(const SpawnSetup&) = delete;
 };
+
+/// As posix_spawn. What a thread has given up its children lack, too, and the program's own threads keep it.
+int spawn_confined(pid_t& process, const std::filesystem::path& program, const SpawnSetup& setup, char** argv) {
+  int status = EAGAIN;
+  try {
+    std::thread([&] {
+      system::confine_thread(system::Confinement::helper);
+      status = posix_spawn(&process, program.c_str(), &setup.files, &setup.attributes, argv, environ);
+    }).join();
+  } catch (const std::system_error&) {  // no thread is to be had
+  }
+  if (status == 0) system::limit_helper(process);
+  return status;
+}
 
 }  // namespace
 
@@ -100,7 +116,7 @@ std::unique_ptr<ChildProcess> ChildProcess::start(const std::filesystem::path& p
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   pid_t process = 0;
-  const int status = posix_spawn(&process, program.c_str(), &setup.files, &setup.attributes, argv.data(), environ);
+  const int status = spawn_confined(process, program, setup, argv.data());
   close(ends[1]);
   if (status == 0) {
     std::string_view rest = text.substr(0, kMostText);

@@ -1,5 +1,6 @@
 // POSIX: a process that outlives this one; Linux: the node of a USB device.
 #include "base/error.h"
+#include "base/system/confinement.h"
 #include "base/system/process.h"
 
 #if !defined(_WIN32)
@@ -85,6 +86,7 @@ void stay_behind_the_watch() {
   sched_param priority{};
   priority.sched_priority = kCompanionPriority;
   static_cast<void>(::sched_setscheduler(0, SCHED_FIFO, &priority));  // where it is granted
+  confine_thread(Confinement::helper);
   stay_behind_the_watch();
   for (;;) {
     pollfd ended{end, POLLIN, 0};

@@ -2,7 +2,9 @@
 
 #include <memory>
 #include <optional>
+#include <utility>
 
+#include "base/system/confinement.h"
 #include "haptics/device/falcon/packet.h"
 
 namespace sparsha::haptics::falcon {
@@ -16,11 +18,14 @@ constexpr unsigned kInterface = 0, kOut = 0x02;
 
 ForceGuard::Zero zero_by_usb() {
   struct Port {
+    bool confined = false;
     std::uint64_t device = 0;
     std::optional<system::UsbNode> node;
   };
   return [port = std::make_shared<Port>(), zero = encode({}, kHomingRequest | kLightRed)](std::uint64_t device,
                                                                                           bool send) {
+    // The guard opens one node of the USB and writes to it; nothing else is its business.
+    if (!std::exchange(port->confined, true)) system::confine_thread(system::Confinement::watch);
     if (device != port->device) {
       port->device = device;
       port->node.reset();

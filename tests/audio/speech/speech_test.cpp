@@ -83,6 +83,21 @@ TEST(Speech, PassesWordsOnStandardInputUntouchedByAnyShell) {
   EXPECT_TRUE(program.heard("Lotus; `touch x` $(reboot) \"medallion\" -v --help \xE0\xA4\xAA\nend"));
 }
 
+#if defined(__linux__) && (defined(__x86_64__) || defined(__aarch64__))
+TEST(Speech, TheProgramGainsNoRightsTracesNothingAndOursIsAsItWas) {
+  const SpeechProgram program("grep -E '^(NoNewPrivs|Seccomp):' /proc/self/status >> \"$log\"\necho end >> \"$log\"\n");
+  const auto own = [] {
+    std::ifstream status("/proc/self/status");
+    return std::string{std::istreambuf_iterator<char>(status), {}};
+  };
+  const bool confined_already = own().find("Seccomp:\t2") != std::string::npos;
+  Speech speech;
+  speech.say({"Lotus", Priority::information, 1});
+  EXPECT_TRUE(program.heard("NoNewPrivs:\t1\nSeccomp:\t2\nend")) << program.log();
+  EXPECT_EQ(own().find("Seccomp:\t2") != std::string::npos, confined_already);
+}
+#endif
+
 TEST(Speech, NewerWordsInterruptOlderOnes) {
   const SpeechProgram program(kSpeakLong);
   Speech speech;
