@@ -68,6 +68,7 @@ int main(int argc, char** argv) {
   add_export(app, common, run);
   add_simulate(app, common, run);
   add_register(app, common, run);
+  add_config(app, common, run);
   add_info(app, common, run);
   add_device(app, common, run);
   add_sound(app, common, run);

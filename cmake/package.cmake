@@ -7,7 +7,7 @@ string(TIMESTAMP SPARSHA_CHANGELOG_DATE "%a, %d %b %Y %H:%M:%S +0000" UTC)
 configure_file(packaging/changelog.in ${CMAKE_BINARY_DIR}/packaging/changelog @ONLY)
 configure_file(packaging/org.sparsha.sparsha.metainfo.xml.in ${CMAKE_BINARY_DIR}/packaging/org.sparsha.sparsha.metainfo.xml @ONLY)
 
-# Man pages and completion are made from the program's own --help; a build without Python or without the program has none.
+# Man pages, completion and the schema of configurations are made from what the program says of itself; a build without Python or without the program has none.
 add_custom_target(sparsha_manual
   COMMAND ${CMAKE_COMMAND} -E rm -rf ${manual}
   COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tools/manual.py $<TARGET_FILE:sparsha> ${manual} ${SPARSHA_RELEASE_DATE}
@@ -21,6 +21,8 @@ function(sparsha_share from to)
   install(DIRECTORY ${from} DESTINATION ${CMAKE_INSTALL_DATADIR}/${to} COMPONENT program ${ARGN})
 endfunction()
 sparsha_share(${manual}/man1/ man/man1 OPTIONAL FILES_MATCHING PATTERN "*.gz")
+sparsha_share(${manual}/man5/ man/man5 OPTIONAL FILES_MATCHING PATTERN "*.gz")
+install(FILES ${manual}/sparsha.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/sparsha COMPONENT program OPTIONAL)
 install(FILES ${manual}/sparsha.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME sparsha
   COMPONENT program OPTIONAL)
 install(FILES ${manual}/_sparsha DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program OPTIONAL)

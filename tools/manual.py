@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Man pages and completion for bash and zsh, made from what the program says of itself, so that they cannot disagree with
-it: each command's --help is read, and those of its own commands.
+"""Man pages, completion for bash and zsh and the schema of configurations, made from what the program says of itself, so that they
+cannot disagree with it: each command's --help is read, and those of its own commands, and the keys of `sparsha config keys`.
 
-  tools/manual.py SPARSHA OUT [DATE]   writes OUT/man1/sparsha.1, OUT/man1/sparsha-COMMAND.1, OUT/sparsha.bash, OUT/_sparsha
+  tools/manual.py SPARSHA OUT [DATE]   writes OUT/man1/sparsha.1, OUT/man1/sparsha-COMMAND.1, OUT/man5/sparsha-config.5,
+                                       OUT/sparsha.bash, OUT/_sparsha, OUT/sparsha.schema.json
 """
 import datetime
+import json
 import pathlib
 import re
 import subprocess
@@ -96,6 +98,22 @@ def man_page(page, date, version):
     yield ".SH SEE ALSO\n" + ",\n".join(others)
 
 
+def config_page(program, date, version):
+    rows = json.loads(subprocess.run([program, "config", "keys", "--json"], check=True, capture_output=True, text=True).stdout)
+    yield f'.TH "SPARSHA\\-CONFIG" 5 "{date}" "{roff(version)}" "File formats"'
+    yield ".SH NAME\nsparsha\\-config \\- keys of the configuration of a scene"
+    yield ".SH DESCRIPTION\nA YAML file. Paths are relative to it; only scans is required. Limits of numbers are inclusive."
+    for row in rows:
+        path = row["key"]
+        if "." not in path:
+            yield f".SH {roff(path).upper()}\n{roff(row['text'])}."
+            continue
+        yield f".TP\n.B {roff(path)}"
+        default = " Required." if row["required"] else f" Default {row['default']}." if row["default"] else ""
+        yield roff(f"{row['text']}. Value: {row['value']}.{default}")
+    yield ".SH SEE ALSO\n.BR sparsha\\-config (1)"
+
+
 def choices(value):
     """The words that an option may take, where --help lists them."""
     found = re.search(r"\{([^}]*)\}", value)
@@ -179,6 +197,10 @@ def main():
     for page in [root, *root.commands]:
         name = "-".join(["sparsha", *page.words])
         (out / "man1" / f"{name}.1").write_text("\n".join(man_page(page, date, version)) + "\n", encoding="utf-8")
+    (out / "man5").mkdir(exist_ok=True)
+    (out / "man5" / "sparsha-config.5").write_text("\n".join(config_page(program, date, version)) + "\n", encoding="utf-8")
+    schema = subprocess.run([program, "config", "schema"], check=True, capture_output=True, text=True).stdout
+    (out / "sparsha.schema.json").write_text(schema, encoding="utf-8")
     (out / "sparsha.bash").write_text("\n".join(bash(root)) + "\n", encoding="utf-8")
     (out / "_sparsha").write_text("\n".join(zsh(root)) + "\n", encoding="utf-8")
     return 0

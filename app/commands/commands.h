@@ -28,6 +28,7 @@ void add_trace(Command app, const CommonOptions& common, Run& run);
 void add_export(Command app, const CommonOptions& common, Run& run);
 void add_simulate(Command app, const CommonOptions& common, Run& run);
 void add_register(Command app, const CommonOptions& common, Run& run);
+void add_config(Command app, const CommonOptions& common, Run& run);
 void add_info(Command app, const CommonOptions& common, Run& run);
 void add_device(Command app, const CommonOptions& common, Run& run);
 void add_sound(Command app, const CommonOptions& common, Run& run);

@@ -1,0 +1,141 @@
+#include "app/keys/json_schema.h"
+
+#include <cmath>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "base/yaml/yaml.h"
+#include "scene/keys/keys.h"
+
+namespace sparsha::app {
+namespace {
+
+using nlohmann::ordered_json;
+using scene::Choice;
+using scene::Form;
+using scene::Key;
+using Kind = Form::Kind;
+
+ordered_json limited(const char* type, const Form& form) {
+  ordered_json schema{{"type", type}};
+  const auto number = [&](double limit) {
+    return form.kind == Kind::number ? ordered_json(limit) : ordered_json(static_cast<std::int64_t>(limit));
+  };
+  if (std::isfinite(form.least)) schema["minimum"] = number(form.least);
+  if (std::isfinite(form.most)) schema["maximum"] = number(form.most);
+  return schema;
+}
+
+ordered_json list_of(const ordered_json& items, double least, double most) {
+  ordered_json schema{{"type", "array"}, {"items", items}};
+  if (least > 0.0) schema["minItems"] = static_cast<int>(least);
+  if (most > 0.0) schema["maxItems"] = static_cast<int>(most);
+  return schema;
+}
+
+ordered_json numbers(double count) { return list_of({{"type", "number"}}, count, count); }
+
+ordered_json block_schema(std::string_view block);
+
+ordered_json form_schema(const Key& key, const Form& form) {
+  switch (form.kind) {
+    case Kind::nothing:
+      return {{"type", "null"}};
+    case Kind::block:
+      return block_schema(key.path);
+    case Kind::list:
+      return list_of(block_schema(std::string(key.path) + "[]"), key.required ? 1.0 : 0.0, 0.0);
+    case Kind::number:
+      return limited("number", form);
+    case Kind::whole:
+      return limited("integer", form);
+    // As YAML 1.1 and 1.2 read them.
+    case Kind::toggle:
+      return {{"enum", {true, false, "on", "off", "yes", "no"}}};
+    case Kind::text:
+    case Kind::file:
+      return {{"type", {"string", "number", "boolean"}}};
+    case Kind::word:
+      return {{"enum", form.words}};
+    case Kind::words:
+      return list_of({{"enum", form.words}}, form.least, 0.0);
+    case Kind::wholes:
+      return list_of(limited("integer", form), 1.0, 0.0);
+    case Kind::numbers:
+      return numbers(form.least);
+    case Kind::matrix:
+      return {{"anyOf", {numbers(16.0), list_of(numbers(4.0), 4.0, 4.0)}}};
+    case Kind::points:
+      return list_of(numbers(2.0), form.least, form.most);
+  }
+  return {};
+}
+
+ordered_json json_of(const yaml::Node& node) {
+  if (node.is_sequence()) {
+    ordered_json list = ordered_json::array();
+    for (const yaml::Node& item : node.items) list.push_back(json_of(item));
+    return list;
+  }
+  if (node.scalar == "true" || node.scalar == "false") return node.scalar == "true";
+  const ordered_json number = ordered_json::parse(node.scalar, nullptr, false);
+  return number.is_number() ? number : ordered_json(node.scalar);
+}
+
+ordered_json key_schema(const Key& key) {
+  ordered_json schema;
+  std::string sentence(key.sentence);
+  if (!key.unit.empty()) sentence += " (" + std::string(key.unit) + ")";
+  schema["description"] = sentence;
+  if (!key.absent.empty()) schema["default"] = json_of(yaml::parse_text(key.absent, "the table of keys"));
+  if (key.forms.size() == 1) {
+    schema.update(form_schema(key, key.forms.front()));
+    return schema;
+  }
+  schema["anyOf"] = ordered_json::array();
+  for (const Form& form : key.forms) schema["anyOf"].push_back(form_schema(key, form));
+  return schema;
+}
+
+ordered_json required(std::string_view name) { return {{"required", {name}}}; }
+
+/// What must hold of the keys of one choice.
+void add_rules(ordered_json& rules, const Choice& choice) {
+  if (choice.rule != Choice::Rule::at_most_one) {
+    ordered_json each = ordered_json::array();
+    for (const std::string_view name : choice.keys) each.push_back(required(name));
+    rules.push_back({{choice.rule == Choice::Rule::just_one ? "oneOf" : "anyOf", each}});
+    return;
+  }
+  for (std::size_t i = 0; i < choice.keys.size(); ++i)
+    for (std::size_t j = i + 1; j < choice.keys.size(); ++j)
+      rules.push_back({{"not", {{"required", {choice.keys[i], choice.keys[j]}}}}});
+}
+
+ordered_json block_schema(std::string_view block) {
+  ordered_json schema{{"type", "object"}, {"additionalProperties", false}, {"properties", ordered_json::object()}};
+  for (const Key* key : scene::keys_of(block)) {
+    const std::string name(scene::name_of(key->path));
+    schema["properties"][name] = key_schema(*key);
+    if (key->required) schema["required"].push_back(name);
+  }
+  for (const scene::Company& company : scene::config_company())
+    if (company.block == block) schema["dependencies"][std::string(company.key)].push_back(company.other);
+  ordered_json rules = ordered_json::array();
+  for (const Choice& choice : scene::config_choices())
+    if (choice.block == block) add_rules(rules, choice);
+  if (!rules.empty()) schema["allOf"] = rules;
+  return schema;
+}
+
+}  // namespace
+
+std::string json_schema_text() {
+  ordered_json schema{{"$schema", "http://json-schema.org/draft-07/schema#"},
+                      {"title", "Sparsha: the configuration of a scene"}};
+  schema.update(block_schema(""));
+  return schema.dump(1) + "\n";
+}
+
+}  // namespace sparsha::app

@@ -1,0 +1,142 @@
+"""`sparsha config schema` is a schema that python3-jsonschema takes, takes every configuration of the tree, of the pages and of
+`sparsha new`, refuses each kind of fault, and never refuses what the program takes.
+
+  config_schema_test.py SPARSHA"""
+import copy
+import json
+import pathlib
+import random
+import re
+import subprocess
+import sys
+import tempfile
+
+try:
+    import jsonschema
+    import yaml
+except ImportError as error:
+    print(f"{error}: python3-jsonschema and python3-yaml are in packages-nightly.txt")
+    sys.exit(77)
+
+PROGRAM = pathlib.Path(sys.argv[1]).resolve()
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+class Editor(yaml.SafeLoader):
+    """Plain scalars as editors read them, by YAML 1.2: `on` and `off` are texts, 1e-3 is a number."""
+
+    yaml_implicit_resolvers = {}
+
+
+for tag, pattern, first in [("bool", r"true|false", "tf"), ("null", r"~|null|", "~n"), ("int", r"[-+]?[0-9]+", "-+0123456789"),
+                            ("float", r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?", "-+.0123456789")]:
+    Editor.add_implicit_resolver(f"tag:yaml.org,2002:{tag}", re.compile(f"^({pattern})$"), [*first, ""] if tag == "null" else [*first])
+
+
+def number(loader, node):
+    return float(node.value)
+
+
+Editor.add_constructor("tag:yaml.org,2002:float", number)
+
+
+def load(text):
+    return yaml.load(text, Editor)
+
+
+def program(*words, code=0, **more):
+    done = subprocess.run([PROGRAM, *words], capture_output=True, text=True, timeout=120, check=False, **more)
+    if code is not None and done.returncode != code:
+        sys.exit(f"{' '.join(map(str, words))} ended with {done.returncode}: {done.stderr}")
+    return done
+
+
+def configurations():
+    """(where, text) of every configuration: files, blocks of pages, what the program writes itself."""
+    for file in sorted([*(ROOT / "configs").glob("*.yaml"), *(ROOT / "data").rglob("*.yaml"), *(ROOT / "tests").rglob("*.yaml")]):
+        yield file.relative_to(ROOT), file.read_text(encoding="utf-8")
+    for page in sorted([ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]):
+        for block in re.findall(r"^```yaml\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S):
+            yield page.relative_to(ROOT), block
+    yield "sparsha new", program("new", *sorted((ROOT / "data" / "relief").glob("*.p[cl][dy]"))).stdout
+
+
+def places(value, path=()):
+    """Every block and scalar of a document."""
+    yield path, value
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, item in items:
+        yield from places(item, (*path, key))
+
+
+def changed(document, path, new):
+    document = copy.deepcopy(document)
+    at = document
+    for key in path[:-1]:
+        at = at[key]
+    at[path[-1]] = new
+    return document
+
+
+def main():
+    schema = json.loads(program("config", "schema").stdout)
+    jsonschema.Draft7Validator.check_schema(schema)
+    validator = jsonschema.Draft7Validator(schema)
+    faults, taken, documents = [], 0, []
+    for where, text in configurations():
+        document = load(text)
+        if not isinstance(document, dict) or "surface" in document or "sampler" in document:
+            continue  # of `sparsha simulate`, or no map
+        partial = "scans" not in document
+        if partial and not set(document) <= set(schema["properties"]):
+            continue  # a block within a block, or the texts of speech
+        whole = {"scans": [{"file": "a.ply"}], **document}
+        wrong = [error.message for error in validator.iter_errors(whole)]
+        if wrong:
+            faults.append(f"{where}: {wrong[0]}")
+        taken += 1
+        documents.append(whole)
+    if taken < 8:
+        faults.append(f"only {taken} configurations were found")
+
+    # One fault each.
+    refused = 0
+    for document in documents:
+        for path, value in places(document):
+            mutants = []
+            if isinstance(value, dict):
+                mutants.append(changed(document, (*path, "no_such_key"), 1))
+            elif path and not isinstance(value, list):
+                mutants.append(changed(document, path, {"no_such_key": {}}))
+            for mutant in mutants:
+                refused += 1
+                if validator.is_valid(mutant):
+                    faults.append(f"the schema takes a fault at {path}")
+    if refused < 200:
+        faults.append(f"only {refused} faults were tried")
+
+    # Whatever the program takes, an editor takes: values of one place put at another, by chance.
+    chance = random.Random(40)
+    values = [(path, value) for document in documents for path, value in places(document) if path and not isinstance(value, dict)]
+    agreed = 0
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder) / "c.yaml"
+        for _ in range(120):
+            document = chance.choice(documents)
+            path = chance.choice([path for path, value in places(document) if path and path[0] != "scans"] or [None])
+            if path is None:
+                continue
+            # Every other time of the same key, which is taken more often.
+            of_key = [value for other, value in values if other[-1] == path[-1]] if chance.random() < 0.5 else []
+            mutant = changed(document, path, chance.choice(of_key or [value for _, value in values]))
+            file.write_text(json.dumps(mutant, indent=1), encoding="utf-8")
+            done = program("build", file, "--validate", code=None)
+            if done.returncode == 0:
+                agreed += 1
+                if not validator.is_valid(mutant):
+                    faults.append(f"the program takes what the schema refuses, at {path}: {mutant}")
+    print("\n".join(faults) if faults else f"{taken} configurations, {refused} faults, {agreed} changes that the program takes")
+    return 1 if faults else 0
+
+
+sys.exit(main())
