@@ -38,6 +38,11 @@ else()
     target_compile_options(sparsha_options INTERFACE -Wno-restrict)  # false alarms on std::string + in GCC 12 (PR 105651)
   endif()
 endif()
+# The same bytes whatever the folder: debug information names files from the root of the tree. A release names none.
+if(NOT MSVC)
+  target_compile_options(sparsha_options INTERFACE
+    $<$<CONFIG:Debug,RelWithDebInfo>:-ffile-prefix-map=${PROJECT_SOURCE_DIR}=. -ffile-prefix-map=${PROJECT_BINARY_DIR}=build>)
+endif()
 if(SPARSHA_SANITIZE)
   target_compile_options(sparsha_options INTERFACE
     -fsanitize=${SPARSHA_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The slow checks: heavy tests, soak, all tests built by Clang under ASan and UBSan with coverage, threads under TSan,
-# fuzzing.
+# fuzzing, the core for arm64, packages built twice, the documents in a browser.
 # Each part runs, also after one that failed; the end lists what each came to, and the exit code is 1 if any failed.
 # SPARSHA_FUZZ_SECONDS (default 60) is per target. Names of parts as arguments run only those.
 set -uo pipefail
@@ -37,7 +37,7 @@ soak() { make soak; }
 clang() {
   local build=build-clang program objects=() watched
   watched="-fsanitize-ignorelist=$PWD/tools/clang-foreign.txt -fprofile-list=$PWD/tools/clang-counted.txt"
-  cmake -S . -B $build -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_COMPILER=clang++ \
+  cmake -S . -B $build -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_COMPILER=clang++ -DSPARSHA_BUILD_BENCH=ON \
     "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O2 -gline-tables-only -DNDEBUG" -DSPARSHA_SANITIZE=address,undefined \
     "-DCMAKE_CXX_FLAGS=-fprofile-instr-generate -fcoverage-mapping $watched" > /dev/null
   cmake --build $build -j"$jobs"
@@ -84,12 +84,36 @@ fuzz() {
   done
 }
 
+# The core for another processor: a cross compiler builds it, an emulator runs its tests.
+arm64() {
+  cmake -S tests/arm64 -B build-arm64 -DCMAKE_TOOLCHAIN_FILE="$PWD/cmake/arm64.cmake" -DCMAKE_BUILD_TYPE=Release > /dev/null
+  cmake --build build-arm64 -j"$jobs"
+  all_tests build-arm64
+}
+
+# The packages, built twice in two folders: the same bytes.
+reproducible() { python3 tests/tools/reproducible_test.py "$(command -v cmake)" . whole; }
+
+# The documents as a browser shows them, by axe-core (MPL 2.0), which no package of Debian holds: SPARSHA_AXE names its
+# axe.min.js, or npm brings it.
+wcag() {
+  local axe=${SPARSHA_AXE:-}
+  if [ -z "$axe" ]; then
+    command -v npm > /dev/null || { echo "wcag needs npm, or SPARSHA_AXE naming axe.min.js" >&2; return 1; }
+    npm install --silent --no-audit --no-fund --prefix build-axe axe-core@4
+    axe=build-axe/node_modules/axe-core/axe.min.js
+  fi
+  tools/docs.sh build
+  tools/check-wcag.py build/docs "$axe"
+}
+
+every=(release soak clang tsan fuzz arm64 reproducible wcag)
 parts=("$@")
-[ $# -gt 0 ] || parts=(release soak clang tsan fuzz)
+[ $# -gt 0 ] || parts=("${every[@]}")
 for part in "${parts[@]}"; do
-  case $part in
-    release | soak | clang | tsan | fuzz) ;;
-    *) echo "tools/nightly.sh: no part '$part' (release, soak, clang, tsan, fuzz)" >&2; exit 2 ;;
+  case " ${every[*]} " in
+    *" $part "*) ;;
+    *) echo "tools/nightly.sh: no part '$part' (${every[*]})" >&2; exit 2 ;;
   esac
 done
 tools/setup.sh packages-nightly.txt || exit 1
@@ -103,7 +127,7 @@ for part in "${parts[@]}"; do
   (set -e; "$part")
   code=$?
   if [ $code -eq 0 ]; then result=passed; else result="FAILED (exit $code)"; failed=1; fi
-  results+=("$(printf '%-9s %-18s %5d s' "$part" "$result" $((SECONDS - began)))")
+  results+=("$(printf '%-12s %-18s %5d s' "$part" "$result" $((SECONDS - began)))")
 done
 printf '\n== result\n'
 printf '%s\n' "${results[@]}"
