@@ -103,6 +103,7 @@ class BankMaker {
   [[nodiscard]] scene::Area area_of(const scene::AudioRegionConfig& config) const {
     using scene::LabelArea;
     if (config.box_m) return scene::Area(*config.box_m);
+    if (config.solid_m) return scene::solid_area(scene_, *config.solid_m);
     if (!config.polygon_m.empty()) return scene::Area(std::make_shared<const scene::Polygon>(config.polygon_m));
     if (!config.label || !labels_) return {};
     return scene::Area(std::make_shared<const LabelArea>(labels_, *config.label, LabelArea::Border::none));
@@ -125,11 +126,12 @@ class BankMaker {
 
 }  // namespace
 
-std::optional<std::size_t> SoundBank::region_at(double x_m, double y_m) const noexcept {
+std::optional<std::size_t> SoundBank::region_at(const std::array<double, 3>& place_m) const noexcept {
+  const Eigen::Vector3d place(place_m[0], place_m[1], place_m[2]);
   for (std::size_t i = 0; i < regions.size(); ++i) {
     const SoundRegion& region = regions[i];
-    if (region.everywhere && std::isfinite(x_m) && std::isfinite(y_m)) return i;
-    if (region.area.holds(x_m, y_m)) return i;
+    if (region.everywhere && std::isfinite(place.x()) && std::isfinite(place.y())) return i;
+    if (region.area.holds(place)) return i;
   }
   return std::nullopt;
 }

@@ -45,7 +45,7 @@ struct SoundBank {
   /// False when nothing ever sounds.
   [[nodiscard]] bool sounds() const noexcept { return !regions.empty() || scrape_gain > 0.0 || cues.has_value(); }
   /// Index of the first region that holds the place (regions' frame, metres); none when there is none. No allocation.
-  [[nodiscard]] std::optional<std::size_t> region_at(double x_m, double y_m) const noexcept;
+  [[nodiscard]] std::optional<std::size_t> region_at(const std::array<double, 3>& place_m) const noexcept;
 };
 
 /// Throws Error{input} for the first clip of a configuration that a scene made of it could not play.

@@ -37,7 +37,7 @@ std::optional<Strike> StrikeGate::strike(const SoundBank& bank, const haptics::C
   }
   if (event.kind != Kind::touch) return std::nullopt;
   const bool same = has_lifted_ && event.time_s >= lifted_s_ && event.time_s - lifted_s_ < kSameContact_s;
-  const auto region = bank.region_at(event.place_m[0], event.place_m[1]);
+  const auto region = bank.region_at(event.place_m);
   touching_ = true;
   touched_s_ = event.time_s;
   if (same) return std::nullopt;
@@ -50,7 +50,7 @@ std::optional<Strike> StrikeGate::strike(const SoundBank& bank, const haptics::C
 std::optional<Strike> StrikeGate::slide(const SoundBank& bank, const haptics::State& state) noexcept {
   // An event tells of the touch; a state that is older than it tells of the contact before.
   if (!touching_ || state.contact == 0 || !(state.time_s > touched_s_)) return std::nullopt;
-  const auto here = bank.region_at(state.place_m[0], state.place_m[1]);
+  const auto here = bank.region_at(state.place_m);
   if (here != entered_) {
     entered_ = here;
     entered_s_ = state.time_s;

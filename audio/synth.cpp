@@ -42,7 +42,7 @@ bool Synth::state(const haptics::State& state, std::uint64_t frame) noexcept {
     point.touching = point.press_n > 0.0 && state.scale > 0.0;
     point.place_m = {state.proxy_m[0], state.proxy_m[1]};
     point.scale = state.scale;
-    const auto region = bank_->region_at(state.place_m[0], state.place_m[1]);
+    const auto region = bank_->region_at(state.place_m);
     point.sound = region ? bank_->regions[*region].scrape : 0;
     needle_.move(point);
   }

@@ -80,9 +80,10 @@ haptics::TraceResult trace_whole_object(const scene::Scene& scene, const Argumen
   if (haptics.solver == scene::HapticsConfig::Solver::paper) refuse("--solver paper");
   if (arguments.level >= 0 || !arguments.centre.empty()) refuse("a window (--level, --centre)");
   if (arguments.tip_radius_mm > 0.0) refuse("--tip-radius-mm");
-  if (arguments.no_texture) refuse("--no-texture");
-  const auto object = haptics::make_object_surface(
-      *scene.description().charts, haptics::around_friction(scene.description(), !arguments.no_friction));
+  if (arguments.no_texture && !haptics::has_envelope(*scene.description().charts))
+    throw usage_error("the sheets of this scene have no envelope for --no-texture",
+                      "a scene built with a block 'texture', or without the option");
+  const auto object = haptics::whole_object(scene.description(), {!arguments.no_texture, !arguments.no_friction});
   return haptics::trace_around(*object, haptics::read_hip_path(arguments.hip), scene.description().scan_from_grid,
                                haptics, options);
 }

@@ -125,6 +125,43 @@ std::vector<std::uint8_t> grown(const Padded& size, const std::vector<std::uint8
   return pass(pass(cells, 1, 0), 0, 1);
 }
 
+/// The curvature at a padded node, or where none is known there, the mean of those of the nearest nodes of the margin.
+double curvature_about(const scene::Sheet& sheet, int i, int j) {
+  if (sheet.curvature_per_m.empty()) return std::numeric_limits<double>::quiet_NaN();
+  for (int reach = 0; reach <= kMargin; ++reach) {
+    double sum = 0.0;
+    int count = 0;
+    for (int dj = -reach; dj <= reach; ++dj)
+      for (int di = -reach; di <= reach; ++di) {
+        const int a = i + di - kMargin, b = j + dj - kMargin;
+        if (std::max(std::abs(di), std::abs(dj)) != reach || a < 0 || b < 0 || a >= sheet.nx || b >= sheet.ny) continue;
+        const double k = static_cast<double>(sheet.curvature_per_m[sheet.index(a, b)]);
+        if (!std::isfinite(k)) continue;
+        sum += k;
+        ++count;
+      }
+    if (count > 0) return sum / count;
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+FrictionMap friction_of(const SheetSurface& surface, const scene::Sheet& sheet, const Padded& padded, double spacing_m,
+                        const AroundFriction& friction) {
+  FrictionMap result;
+  result.mu_dynamic.reserve(padded.height_m.size());
+  result.mu_static.reserve(padded.height_m.size());
+  for (int j = 0; j < padded.ny; ++j)
+    for (int i = 0; i < padded.nx; ++i) {
+      const double height_m = static_cast<double>(padded.height_m[padded.node(i, j)]);
+      std::array<float, 2> mu{static_cast<float>(friction.mu_dynamic), static_cast<float>(friction.mu_static)};
+      if (std::isfinite(height_m))
+        mu = friction.at(surface.to_object({i * spacing_m, j * spacing_m, height_m}), curvature_about(sheet, i, j));
+      result.mu_dynamic.push_back(mu[0]);
+      result.mu_static.push_back(std::max(mu[0], mu[1]));
+    }
+  return result;
+}
+
 /// Holes of at most 2 kRimCells cells are closed.
 std::vector<std::uint8_t> closed(const Padded& size, const std::vector<std::uint8_t>& cells) {
   std::vector<std::uint8_t> outside = grown(size, cells, kRimCells, false);
@@ -219,6 +256,8 @@ scene::Sheet cut_out(const scene::Sheet& sheet, const std::vector<int>& parts, i
       piece.slope_v.push_back(mine ? sheet.slope_v[node] : scene::kUnknownHeight);
       const unsigned kept = cell ? sheet.mask[node] : sheet.mask[node] & ~unsigned{scene::Sheet::kCell};
       piece.mask.push_back(mine ? static_cast<std::uint8_t>(kept) : std::uint8_t{0});
+      if (!sheet.curvature_per_m.empty())
+        piece.curvature_per_m.push_back(mine ? sheet.curvature_per_m[node] : scene::kUnknownHeight);
     }
   }
   return piece;
@@ -281,7 +320,9 @@ SheetSurface make_sheet_surface(const scene::Charts& charts, const scene::Sheet&
     result.cells[k] = trusted[k] != 0 ? kOpenCell : rim[k] != 0 ? kRimCell : kNoCell;
   SurfaceParts parts;
   parts.lattice = {padded.nx, padded.ny, charts.spacing_m, Eigen::Vector3d::Zero()};
-  if (friction.mu_static > 0.0) {
+  if (friction.at) {
+    parts.friction = friction_of(result, sheet, padded, charts.spacing_m, friction);
+  } else if (friction.mu_static > 0.0) {
     parts.friction.mu_dynamic.assign(padded.height_m.size(), static_cast<float>(friction.mu_dynamic));
     parts.friction.mu_static.assign(padded.height_m.size(),
                                     static_cast<float>(std::max(friction.mu_static, friction.mu_dynamic)));

@@ -2,8 +2,10 @@
 // charts' origin. Local frame: that of the sheet's side, node (0, 0) at zero.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -54,6 +56,9 @@ struct SheetSurface {
 struct AroundFriction {
   double mu_dynamic = 0.0;
   double mu_static = 0.0;  ///< not below mu_dynamic
+  /// Where they differ from place to place: {mu_dynamic, mu_static} of a place of the object frame whose texture bends
+  /// so much (1/m; NaN: not known). Empty: they do not.
+  std::function<std::array<float, 2>(const Eigen::Vector3d& object_m, double curvature_per_m)> at;
 };
 
 /// `friction` of zero: frictionless. Cells that are open are kOpenCell.

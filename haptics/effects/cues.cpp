@@ -46,7 +46,7 @@ void Cues::watch_parts(const Input& input, const SurfaceEffects& effects) noexce
   const Eigen::Vector2d place_m = input.place_m.head<2>();
   const double margin_m = kWellInside_m / input.scale;
   const auto part_at = [&](const Eigen::Vector2d& at_m) -> std::optional<std::size_t> {
-    const std::size_t part = effects.part_at(at_m.x(), at_m.y());
+    const std::size_t part = effects.part_at({at_m.x(), at_m.y(), input.place_m.z()});
     return part == SurfaceEffects::kNoPart ? std::nullopt : std::optional<std::size_t>(part);
   };
   if (parts_.watch(place_m, margin_m, input.time_s, part_at))

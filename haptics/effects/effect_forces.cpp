@@ -35,7 +35,7 @@ double EffectForces::stored(const Input& input, double most_j) noexcept {
 double EffectForces::stiffness(double base_n_per_m, double share, const Eigen::Vector3d& place_m,
                                const SurfaceEffects& effects) noexcept {
   const double base = share > 0.0 ? base_n_per_m / share : 0.0;
-  const double wished = share * effects.stiffness_at(place_m.x(), place_m.y(), base);
+  const double wished = share * effects.stiffness_at(place_m, base);
   const bool settled = wished == last_wished_n_per_m_;
   last_wished_n_per_m_ = wished;
   if (settled || std::abs(wished - stiffness_n_per_m_) > kStiffnessStep * stiffness_n_per_m_)
@@ -63,8 +63,6 @@ EffectForces::Output EffectForces::update(const Input& input, const SurfaceEffec
   if (!stayed) grain_n_ = zeros();
   if (effects == nullptr) return output;
   const double pressed_n = input.contact ? std::max(0.0, input.force_n.dot(input.normal)) : 0.0;
-  const double x_m = input.place_m.x();
-  const double y_m = input.place_m.y();
   Cues::Input cue;
   cue.period_s = input.period_s;
   cue.pace_s = input.pace_s;
@@ -87,7 +85,7 @@ EffectForces::Output EffectForces::update(const Input& input, const SurfaceEffec
     strike.touch = input.touch;
     strike.approach_m_per_s = input.approach_m_per_s;
     strike.pressed_n = pressed_n;
-    strike.material = input.touch ? &effects->material_at(x_m, y_m) : nullptr;
+    strike.material = input.touch ? &effects->material_at(input.place_m) : nullptr;
     output.force_n += impact_.update(strike) * input.normal;
   }
   if (effects->grain && !effects->field.silent()) {
@@ -99,7 +97,7 @@ EffectForces::Output EffectForces::update(const Input& input, const SurfaceEffec
     slide.scale = effects->scale;
     slide.contact = stayed;
     const Grain::Output grain = grain_.update(slide, effects->field);
-    const double press_n = pressed_n * effects->grain_gain_at(x_m, y_m);
+    const double press_n = pressed_n * effects->grain_gain_at(input.place_m.x(), input.place_m.y());
     const Eigen::Vector3d slope =
         effects->region_from_grid.transpose() * Eigen::Vector3d(grain.slope.x(), grain.slope.y(), 0.0);
     const double most_j = kMostDeviations * press_n * effects->scale * grain.deviation_m;

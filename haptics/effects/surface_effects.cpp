@@ -10,17 +10,17 @@ bool SurfaceEffects::has_stiffness() const noexcept {
   return std::any_of(parts.begin(), parts.end(), [](const Part& part) { return part.stiffness_n_per_m.has_value(); });
 }
 
-double SurfaceEffects::stiffness_at(double x_m, double y_m, double base_n_per_m) const noexcept {
+double SurfaceEffects::stiffness_at(const Eigen::Vector3d& place_m, double base_n_per_m) const noexcept {
   double stiffness = base_n_per_m;
   for (auto part = parts.rbegin(); part != parts.rend(); ++part)
     if (part->stiffness_n_per_m)
-      stiffness += (*part->stiffness_n_per_m - stiffness) * part->area.share_inside(x_m, y_m, border_m);
+      stiffness += (*part->stiffness_n_per_m - stiffness) * part->area.share_inside(place_m, border_m);
   return stiffness;
 }
 
-const scene::MaterialTouch& SurfaceEffects::material_at(double x_m, double y_m) const noexcept {
+const scene::MaterialTouch& SurfaceEffects::material_at(const Eigen::Vector3d& place_m) const noexcept {
   for (const Part& part : parts)
-    if (part.material && part.area.decides(x_m, y_m, border_m)) return scene::touch_of(*part.material);
+    if (part.material && part.area.decides(place_m, border_m)) return scene::touch_of(*part.material);
   return scene::touch_of(material);
 }
 
@@ -32,9 +32,9 @@ double SurfaceEffects::grain_gain_at(double x_m, double y_m) const noexcept {
   return gain;
 }
 
-std::size_t SurfaceEffects::part_at(double x_m, double y_m) const noexcept {
+std::size_t SurfaceEffects::part_at(const Eigen::Vector3d& place_m) const noexcept {
   for (std::size_t part = 0; part < part_areas.size(); ++part)
-    if (part_areas[part].holds(x_m, y_m)) return part;
+    if (part_areas[part].holds(place_m)) return part;
   return kNoPart;
 }
 

@@ -41,10 +41,10 @@ struct SurfaceEffects {
 
   [[nodiscard]] bool has_stiffness() const noexcept;
   /// `base_n_per_m` outside of the parts, a smooth step across their borders.
-  [[nodiscard]] double stiffness_at(double x_m, double y_m, double base_n_per_m) const noexcept;
-  [[nodiscard]] const scene::MaterialTouch& material_at(double x_m, double y_m) const noexcept;
+  [[nodiscard]] double stiffness_at(const Eigen::Vector3d& place_m, double base_n_per_m) const noexcept;
+  [[nodiscard]] const scene::MaterialTouch& material_at(const Eigen::Vector3d& place_m) const noexcept;
   /// Of part_areas, the first that holds the place; else kNoPart.
-  [[nodiscard]] std::size_t part_at(double x_m, double y_m) const noexcept;
+  [[nodiscard]] std::size_t part_at(const Eigen::Vector3d& place_m) const noexcept;
   /// Across, from a place (grid frame) to the stone, grid metres; 0 where there is stone or nothing is known of it.
   [[nodiscard]] double to_stone_m(double x_m, double y_m) const noexcept;
   /// z (grid frame) of the stone where the nearest node of the window has it, or of the stone around it. Requires

@@ -44,7 +44,7 @@ struct HapticWindow {
 
 struct Command {
   enum class Kind {
-    swap,       ///< touch `window`; the hand keeps its place
+    swap,       ///< touch `window`; the hand keeps its place; with `on` the whole object is turned to `turn` too
     scroll,     ///< let the window's centre move with `scroll_m_per_s` until told otherwise
     stiffness,  ///< render with `stiffness_n_per_m`
     guide,      ///< lead the hand along `guide`; null: no longer

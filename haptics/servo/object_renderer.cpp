@@ -18,6 +18,8 @@ bool same_object(const ObjectSurface& a, const ObjectSurface& b) noexcept {
   return &a == &b || (a.charts != nullptr && a.charts == b.charts);
 }
 
+bool is_turn(const Eigen::Quaterniond& turn) noexcept { return turn.coeffs().allFinite() && turn.norm() > 0.5; }
+
 }  // namespace
 
 Eigen::Vector3d HapticRenderer::hip_on_object_m(const Eigen::Vector3d& hand_m) const noexcept {
@@ -123,7 +125,7 @@ void HapticRenderer::place_object(const Eigen::Vector3d& hand_m) noexcept {
 }
 
 void HapticRenderer::turn_object(const Eigen::Quaterniond& turn) noexcept {
-  if (window_.object == nullptr || !turn.coeffs().allFinite() || !(turn.norm() > 0.5)) return;
+  if (window_.object == nullptr || !is_turn(turn)) return;
   if (!placement_) placement_.emplace();
   placement_->turn = turn.normalized();
 }
@@ -145,7 +147,7 @@ void HapticRenderer::swap_object(Command& command) noexcept {
   if (window_.object == nullptr) return leave_object(command);
   const bool same = old != nullptr && same_object(*old, *window_.object);
   if (surface_->scale != old_scale) object_.rescale();
-  if (same && !command.move) {
+  if (same && !command.move && !command.on) {
     centre_m_ = held_m - object_.to_grid(held_device_m) / surface_->scale;
     return;
   }
@@ -161,6 +163,7 @@ void HapticRenderer::swap_object(Command& command) noexcept {
     const double z_m = std::isfinite(command.centre_z_m) ? command.centre_z_m : centre_m_.z();
     placement.centre_m = {command.centre_m.x(), command.centre_m.y(), z_m};
   }
+  if (command.on && is_turn(command.turn)) placement.turn = command.turn.normalized();
   placement_ = placement;
 }
 

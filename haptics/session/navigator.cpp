@@ -226,16 +226,38 @@ std::optional<WindowLoader::Job> Navigator::part(int step, const State& state) {
   // Where it lies aside from the box's middle, the window is larger by as much.
   const double aside_x_m = std::abs(centre_m.x() - 0.5 * (box_m[0] + box_m[2]));
   const double aside_y_m = std::abs(centre_m.y() - 0.5 * (box_m[1] + box_m[3]));
-  const double size_m = std::max(box_m[2] - box_m[0] + 2.0 * aside_x_m, box_m[3] - box_m[1] + 2.0 * aside_y_m);
+  const double size_m = place->solid
+                            ? place->solid->size_m
+                            : std::max(box_m[2] - box_m[0] + 2.0 * aside_x_m, box_m[3] - box_m[1] + 2.0 * aside_y_m);
   WindowPlan plan = first_plan();
   for (const ZoomStep& nearer : zoom_steps(scene_->description(), workspace_width_m_))
     if (const WindowPlan next = plan_at(nearer, centre_m); workspace_width_m_ / next.scale >= kRoom * size_m)
       plan = next;
   const Eigen::Vector2d way_m = -across(state.device_m);
+  if (box_m_ && place->solid) return show(plan, *place->solid, way_m);
   const Eigen::Vector2d hand_m = centre_m - way_m / plan.scale;
   announcer_.say_part(part_ - 1, way_m, lies_in(scene_->description(), part_ - 1, *place, hand_m));
   if (box_m_) return move_object(plan, {centre_m.x(), centre_m.y(), state.centre_m[2]});
   return move(plan, centre_m);
+}
+
+// The object is turned about the upright until the part looks at the visitor, and then tipped, which keeps up what is
+// up; of a part that looks straight up or down it is tipped alone.
+WindowLoader::Job Navigator::show(const WindowPlan& plan, const scene::PartPlace::Solid& solid,
+                                  const Eigen::Vector2d& way_m) {
+  constexpr double kUpright = 0.98;  // of the normal
+  const Eigen::Vector3d normal = solid.normal.norm() > 0.0 ? solid.normal.normalized() : Eigen::Vector3d::UnitZ();
+  Eigen::Quaterniond round = Eigen::Quaterniond::Identity();
+  if (std::abs(normal.y()) < kUpright)
+    round = Eigen::AngleAxisd(-std::atan2(normal.x(), normal.z()), Eigen::Vector3d::UnitY());
+  const Eigen::Vector3d level = round * normal;
+  const double tip = std::atan2(level.y(), level.z());
+  turn_ = (Eigen::AngleAxisd(tip, Eigen::Vector3d::UnitX()) * round).normalized();
+  announcer_.say_part(part_ - 1, way_m, false);
+  WindowLoader::Job result = move_object(plan, solid.middle_m);
+  result.command.on = true;
+  result.command.turn = turn_;
+  return result;
 }
 
 std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const State& state) {

@@ -12,6 +12,7 @@
 #include "haptics/session/window_loader.h"
 #include "haptics/state/requests.h"
 #include "haptics/state/state.h"
+#include "scene/area/regions.h"
 #include "scene/scene_fwd.h"
 
 namespace sparsha::haptics {
@@ -92,6 +93,8 @@ class Navigator {
   [[nodiscard]] Eigen::Vector3d scroll_wanted(const State& state) const;
   [[nodiscard]] Eigen::Vector3d scroll_around(const State& state) const;
   [[nodiscard]] Eigen::Vector3d rim_speed(const State& state) const;
+  [[nodiscard]] WindowLoader::Job show(const WindowPlan& plan, const scene::PartPlace::Solid& solid,
+                                       const Eigen::Vector2d& way_m);
   void know_object();
   [[nodiscard]] std::optional<WindowLoader::Job> part(int step, const State& state);
   void say_direction(const Eigen::Vector3d& velocity, double time_s);

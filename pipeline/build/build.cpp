@@ -23,6 +23,7 @@
 #include "pipeline/build/pillar_regions.h"
 #include "pipeline/build/project_scans.h"
 #include "pipeline/build/warnings.h"
+#include "pipeline/charts/sheet_texture.h"
 #include "pipeline/check/check_map.h"
 #include "pipeline/layers/layers.h"
 #include "pipeline/projection/projection.h"
@@ -113,6 +114,16 @@ void add_texture(const scene::Config& config, const Projection& projection, cons
   scene.has_paper_curvatures = true;
 }
 
+// Texture of the sheets and its curvature, after that of the front view, whose friction law holds on all sides.
+void add_texture_around(const scene::Config& config, const Context& context, scene::SceneDescription& scene,
+                        scene::Charts& charts) {
+  if (!config.texture) return;
+  context.progress.begin("texture of charts");
+  pipeline::add_texture(charts, *config.texture, context);
+  if (!config.friction || config.friction->law != scene::FrictionConfig::Law::curvature) return;
+  add_curvature(charts, scene.config.friction->scale_m, scene.noise_m, context);
+}
+
 // How the scans fit each other, for the report; poses stay as they are.
 std::vector<ScanPair> pairs_of(const scene::Config& config, const BuildOptions& options, const Context& context) {
   std::vector<ScanPair> pairs;
@@ -173,6 +184,11 @@ void require_label_image(const scene::Config& config) {
 // What was drawn for another grid, in another unit or on another label image. `what`: "part 'lotus'".
 void warn_if_nowhere(const scene::SceneDescription& scene, const std::string& what, const scene::Area& area,
                      const std::optional<int>& label, Progress& progress) {
+  if (area.solid() != nullptr) {
+    if (!scene::solid_place(scene, *area.solid()))
+      progress.warn(fmt::format("{} is nowhere: no surface lies in its box of the scans' frame", what));
+    return;
+  }
   const std::optional<scene::Area::Box> box_m = area.bounds_m();
   if (!box_m) {
     progress.warn(label ? fmt::format("{} is nowhere: no pixel of the label image has the value {}", what, *label)
@@ -200,6 +216,8 @@ void warn_of_empty_places(const scene::SceneDescription& scene, Progress& progre
     scene::Area area;
     if (region.box_m) {
       area = scene::Area(*region.box_m);
+    } else if (region.solid_m) {
+      area = scene::solid_area(scene, *region.solid_m);
     } else if (!region.polygon_m.empty()) {
       area = scene::Area(std::make_shared<const scene::Polygon>(region.polygon_m));
     } else {
@@ -209,6 +227,15 @@ void warn_of_empty_places(const scene::SceneDescription& scene, Progress& progre
     }
     warn_if_nowhere(scene, fmt::format("audio region '{}'", region.name), area, region.label, progress);
   }
+}
+
+/// Of one view alone: what lies in boxes in space goes with the block that they need.
+void without_sides(scene::Config& config) {
+  config.around.reset();
+  std::erase_if(config.parts, [](const scene::PartConfig& part) { return part.solid_m.has_value(); });
+  if (config.audio)
+    std::erase_if(config.audio->regions,
+                  [](const scene::AudioRegionConfig& region) { return region.solid_m.has_value(); });
 }
 
 // What is said of a whole object, with warnings of what was left out.
@@ -315,7 +342,6 @@ BuildResult build_scene(const scene::Config& given, const BuildOptions& options,
 
   if (scans.charts) {
     report.around = around_of(*scans.charts, scans.check_charts, progress);
-    scene.charts = std::make_shared<const scene::Charts>(std::move(scans.charts->charts));
   }
   scans.check_charts = nullptr;
 
@@ -328,14 +354,16 @@ BuildResult build_scene(const scene::Config& given, const BuildOptions& options,
   if (!options.grid_only) {
     fill_and_check(config, options, {pool, progress}, scans, base, scene, report);
     add_texture(config, projection, {pool, progress}, base, scene, report);
+    if (scans.charts) add_texture_around(config, {pool, progress}, scene, scans.charts->charts);
     progress.begin("pyramid");
     levels = build_pyramid(base, config.levels.window, pool);
   } else {
-    scene.config.around.reset();
+    without_sides(scene.config);
     scene.config.texture.reset();
     scene.config.friction.reset();
   }
   progress.finish();
+  if (scans.charts) scene.charts = std::make_shared<const scene::Charts>(std::move(scans.charts->charts));
 
   count_nodes(base.grid, report, scene);
   levels.insert(levels.begin(), std::move(base));

@@ -82,7 +82,8 @@ class Stiffness {
                           lattice.origin_m.z() + (std::isfinite(height_m) ? height_m : 0.0), 1.0);
     if (scene_.region_from_grid) place = *scene_.region_from_grid * place;
     for (auto part = parts_.rbegin(); part != parts_.rend(); ++part)
-      stiffness += (part->second - stiffness) * part->first.share_inside(place.x(), place.y(), scene::kBorder_m);
+      stiffness +=
+          (part->second - stiffness) * part->first.share_inside(Eigen::Vector3d(place.head<3>()), scene::kBorder_m);
     return stiffness;
   }
 

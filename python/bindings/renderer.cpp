@@ -84,12 +84,13 @@ std::unique_ptr<Renderer> make_renderer(const py::object& given, std::optional<i
     refuse_around(renderer->haptics.solver == scene::HapticsConfig::Solver::paper, "the paper's solver");
     refuse_around(level || part.centre_m, "a window (level, centre)");
     refuse_around(part.tip_radius_m > 0.0, "tip_radius_mm");
-    refuse_around(!texture, "texture=False");
+    if (!texture && !haptics::has_envelope(*description.charts))
+      throw usage_error("the sheets of this scene have no envelope for texture=False",
+                        "a scene built with a block `texture`");
     const Eigen::Matrix3d turn = description.scan_from_grid.topLeftCorner<3, 3>();
     renderer->force_from_grid = turn / std::cbrt(std::abs(turn.determinant()));
     const py::gil_scoped_release release;
-    renderer->object = haptics::make_object_surface(
-        *description.charts, haptics::around_friction(description, friction), description.charts);
+    renderer->object = haptics::whole_object(description, {texture, friction});
     return renderer;
   }
   const py::gil_scoped_release release;

@@ -6,6 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
 #include "base/png/png_reader.h"
 #include "scene/scene.h"
 
@@ -25,6 +28,7 @@ const Area* known_area(const SceneDescription& scene, const PartConfig& part) {
 
 Area make_area(const SceneDescription& scene, const PartConfig& part) {
   if (part.is_box()) return Area(part.box_m);
+  if (part.solid_m) return solid_area(scene, *part.solid_m);
   if (const Area* known = known_area(scene, part)) return *known;
   if (!part.label) return Area(std::make_shared<const Polygon>(part.polygon_m));
   return scene.label_map ? Area(std::make_shared<const LabelArea>(scene.label_map, *part.label)) : Area();
@@ -53,6 +57,12 @@ class Found {
 };
 
 }  // namespace
+
+Area solid_area(const SceneDescription& scene, const std::array<double, 6>& box_m) {
+  Eigen::Matrix4d scan_from_region = scene.scan_from_grid;
+  if (scene.region_from_grid) scan_from_region *= scene.region_from_grid->inverse();
+  return Area(SolidBox::of(box_m, RegionFrame(scan_from_region.topRows<3>())));
+}
 
 std::shared_ptr<const LabelMap> label_map_of(const SceneDescription& scene) {
   if (scene.label_map || !scene.config.audio || !scene.config.audio->labels) return scene.label_map;
@@ -83,19 +93,44 @@ void make_areas(SceneDescription& scene) {
 Area area_of(const SceneDescription& scene, std::size_t part) {
   const PartConfig& config = scene.config.parts.at(part);
   if (config.is_box()) return Area(config.box_m);
+  if (config.solid_m) return solid_area(scene, *config.solid_m);
   const bool ready = scene.part_areas && scene.part_areas->size() == scene.config.parts.size();
   return ready ? (*scene.part_areas)[part] : make_area(scene, config);
 }
 
 const PartConfig* part_at(const SceneDescription& scene, const std::array<double, 3>& place_m) {
   for (std::size_t part = 0; part < scene.config.parts.size(); ++part)
-    if (area_of(scene, part).holds(place_m[0], place_m[1])) return &scene.config.parts[part];
+    if (area_of(scene, part).holds(Eigen::Vector3d(place_m[0], place_m[1], place_m[2])))
+      return &scene.config.parts[part];
   return nullptr;
+}
+
+std::optional<PartPlace> solid_place(const SceneDescription& scene, const SolidBox& solid) {
+  if (!scene.charts) return std::nullopt;
+  const Charts& charts = *scene.charts;
+  Eigen::AlignedBox3d box;
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (const Sheet& sheet : charts.sheets)
+    for (int j = 0; j < sheet.ny; ++j)
+      for (int i = 0; i < sheet.nx; ++i) {
+        if (!sheet.measured(sheet.index(i, j))) continue;
+        const Eigen::Vector3d place_m = charts.origin_m + charts.place_m(sheet, i, j);
+        Eigen::Vector3d region_m = place_m;
+        if (scene.region_from_grid) region_m = (*scene.region_from_grid * place_m.homogeneous()).head<3>();
+        if (solid.inside_m(region_m) < 0.0) continue;
+        box.extend(place_m);
+        normal += Charts::normal(sheet, i, j);
+      }
+  if (box.isEmpty()) return std::nullopt;
+  PartPlace place{{box.min().x(), box.min().y(), box.max().x(), box.max().y()}, box.center().head<2>()};
+  place.solid = PartPlace::Solid{box.center(), normal, box.diagonal().norm()};
+  return place;
 }
 
 std::optional<PartPlace> part_place(const Scene& scene, std::size_t part) {
   const SceneDescription& description = scene.description();
   const Area area = area_of(description, part);
+  if (area.solid() != nullptr) return solid_place(description, *area.solid());
   if (!description.region_from_grid) {
     const std::optional<Area::Box> box_m = area.bounds_m();
     const std::optional<Eigen::Vector2d> middle_m = area.middle_m();

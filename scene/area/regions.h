@@ -27,6 +27,9 @@ void make_areas(SceneDescription& scene);
 /// polygons are made ready at every call, and labels are nowhere before make_areas().
 [[nodiscard]] Area area_of(const SceneDescription& scene, std::size_t part);
 
+/// A box in space, xmin ymin zmin xmax ymax zmax of the frame of the scans, as an area of the regions' frame.
+[[nodiscard]] Area solid_area(const SceneDescription& scene, const std::array<double, 6>& box_m);
+
 /// The first part at a place of the regions' frame; null where there is none.
 [[nodiscard]] const PartConfig* part_at(const SceneDescription& scene, const std::array<double, 3>& place_m);
 
@@ -34,7 +37,17 @@ void make_areas(SceneDescription& scene);
 struct PartPlace {
   std::array<double, 4> box_m{};                       ///< xmin ymin xmax ymax, grid frame
   Eigen::Vector2d middle_m = Eigen::Vector2d::Zero();  ///< grid frame; of a box its middle, else a place inside
+  /// Of a part in a box in space, by the nodes of all sheets in it; grid frame.
+  struct Solid {
+    Eigen::Vector3d middle_m;
+    Eigen::Vector3d normal;  ///< sum of the outward ones: where it looks
+    double size_m;           ///< across
+  };
+  std::optional<Solid> solid{};
 };
+
+/// Of the nodes of all sheets that lie in a box in space; empty when there are none.
+[[nodiscard]] std::optional<PartPlace> solid_place(const SceneDescription& scene, const SolidBox& solid);
 
 /// A part's own place in the grid frame, or, of a scene that was scanned from another side, that of the measured places
 /// that belong to it; empty when there are none. Throws Error{input} when tiles cannot be read.

@@ -58,7 +58,8 @@ MaterialSoundConfig parse_material(MapReader& reader, const Node& node) {
 }
 
 void read_place(AudioRegionConfig& region, int where, const Node& node) {
-  if (where == 0) region.box_m = read_box(*node.find("box_m"));
+  if (where == 0) region.solid_m = read_solid_box(*node.find("box_m"));
+  if (where == 0 && !region.solid_m) region.box_m = read_box(*node.find("box_m"));
   if (where == 1) region.polygon_m = read_polygon(*node.find("polygon_m"));
   if (where == 2) region.label = read_label(*node.find("label"));
 }

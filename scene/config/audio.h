@@ -42,7 +42,8 @@ struct AudioRegionConfig {
   std::variant<ModalConfig, std::filesystem::path, MaterialSoundConfig> sound;
   std::vector<std::array<double, 2>> polygon_m{};  ///< corners, grid frame; empty: none
   Loop loop = Loop::none;                          ///< of a clip: one period of it, repeated while it decays
-  [[nodiscard]] bool has_place() const { return box_m || label || !polygon_m.empty(); }
+  std::optional<std::array<double, 6>> solid_m{};  ///< xmin ymin zmin xmax ymax zmax, frame of the scans
+  [[nodiscard]] bool has_place() const { return box_m || label || solid_m || !polygon_m.empty(); }
 };
 
 /// A picture of whole numbers that lies over the grid: pixels of value n belong to the regions and parts with

@@ -177,6 +177,17 @@ void require_labels(const Node& parts, const Config& config) {
   }
 }
 
+/// Boxes in space belong to whole objects: of one view nothing tells what is behind.
+void require_around(const Node& places, const Config& config) {
+  if (config.around) return;
+  for (const Node& place : places.items) {
+    const Node* box = place.find("box_m");
+    if (box != nullptr && read_solid_box(*box))
+      throw yaml::error_at(*box, "a box of six numbers needs the whole object",
+                           "the block 'around: {}', or [xmin, ymin, xmax, ymax] of the grid frame");
+  }
+}
+
 std::vector<PartConfig> parse_parts(const Node& node) {
   if (!node.is_sequence())
     throw yaml::error_at(node, "parts is not a list",
@@ -194,7 +205,8 @@ std::vector<PartConfig> parse_parts(const Node& node) {
     // A part without words would be announced by silence.
     if (part.say.empty()) part.say = part.name;
     const int where = exclusive(reader, {"box_m", "polygon_m", "label"});
-    if (where == 0) part.box_m = read_box(*item.find("box_m"));
+    if (where == 0) part.solid_m = read_solid_box(*item.find("box_m"));
+    if (where == 0 && !part.solid_m) part.box_m = read_box(*item.find("box_m"));
     if (where == 1) part.polygon_m = read_polygon(*item.find("polygon_m"));
     if (where == 2) part.label = read_label(*item.find("label"));
     part.touch = parse_touch(reader, item);
@@ -277,8 +289,12 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
   if (const Node* node = reader.optional("parts")) {
     config.parts = parse_parts(*node);
     require_friction(*node, config);
+    require_around(*node, config);
   }
-  if (const Node* node = reader.optional("audio")) config.audio = parse_audio(*node, folder);
+  if (const Node* node = reader.optional("audio")) {
+    config.audio = parse_audio(*node, folder);
+    if (const Node* regions = node->find("regions")) require_around(*regions, config);
+  }
   if (const Node* node = reader.optional("parts")) require_labels(*node, config);
   if (const Node* node = reader.optional("speech")) config.speech = parse_speech(*node);
   if (const Node* node = reader.optional("guide")) config.guide = parse_guide(*node);

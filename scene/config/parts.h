@@ -18,7 +18,8 @@ struct PartTouch {
   std::optional<Material> material;
 };
 
-/// It lies in the box, or, where one of these is there, in the polygon or where the label image has the label.
+/// It lies in the box, or, where one of these is there, in the polygon, in the box in space or where the label image
+/// has the label.
 struct PartConfig {
   std::string name;
   std::string say;
@@ -27,7 +28,8 @@ struct PartConfig {
   std::string more{};                              ///< told when more is asked for
   std::vector<std::array<double, 2>> polygon_m{};  ///< corners, grid frame; empty: none
   std::optional<int> label{};                      ///< of the label image, AudioConfig::labels
-  [[nodiscard]] bool is_box() const { return polygon_m.empty() && !label; }
+  std::optional<std::array<double, 6>> solid_m{};  ///< xmin ymin zmin xmax ymax zmax, frame of the scans
+  [[nodiscard]] bool is_box() const { return polygon_m.empty() && !label && !solid_m; }
 };
 
 }  // namespace sparsha::scene

@@ -39,6 +39,16 @@ std::array<double, 4> read_box(const yaml::Node& node) {
   return {v[0], v[1], v[2], v[3]};
 }
 
+std::optional<std::array<double, 6>> read_solid_box(const yaml::Node& node) {
+  if (!node.is_sequence() || node.items.size() != 6) return std::nullopt;
+  const std::vector<double> v = yaml::to_doubles(node, 6);
+  if (!(v[0] < v[3] && v[1] < v[4] && v[2] < v[5])) {
+    throw yaml::error_at(node, "the box is empty",
+                         "[xmin, ymin, zmin, xmax, ymax, zmax] with each minimum below its maximum");
+  }
+  return std::array<double, 6>{v[0], v[1], v[2], v[3], v[4], v[5]};
+}
+
 std::vector<std::array<double, 2>> read_polygon(const yaml::Node& node) {
   std::vector<std::array<double, 2>> corners;
   if (!node.is_sequence() || node.items.size() < 3) {

@@ -35,6 +35,8 @@ void read_number(yaml::MapReader& reader, std::string_view key, std::optional<do
 
 /// xmin ymin xmax ymax of a box that is not empty.
 [[nodiscard]] std::array<double, 4> read_box(const yaml::Node& node);
+/// [xmin, ymin, zmin, xmax, ymax, zmax] in the frame of the scans where `node` has six numbers; else nothing.
+[[nodiscard]] std::optional<std::array<double, 6>> read_solid_box(const yaml::Node& node);
 
 /// Corners of a polygon that has an area (scene/area/polygon.h).
 [[nodiscard]] std::vector<std::array<double, 2>> read_polygon(const yaml::Node& node);

@@ -193,6 +193,8 @@ SetupText text_with_setup(const std::string& text, const Config& wanted, const f
 void scale_parts(Config& config, double factor) {
   for (PartConfig& part : config.parts) {
     for (double& side_m : part.box_m) side_m *= factor;
+    if (part.solid_m)
+      for (double& side_m : *part.solid_m) side_m *= factor;
     for (auto& corner_m : part.polygon_m)
       for (double& coordinate_m : corner_m) coordinate_m *= factor;
   }

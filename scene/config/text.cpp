@@ -183,10 +183,16 @@ std::string points(const std::vector<std::array<double, 2>>& places_m) {
   return text + "]";
 }
 
-// Of what has no box.
+// Of what has no box of the grid.
 template <class Placed>
 std::string outline_text(const Placed& placed) {
   std::string text;
+  if (placed.solid_m) {
+    text += ", box_m: [";
+    for (std::size_t k = 0; k < placed.solid_m->size(); ++k)
+      text += (k > 0 ? ", " : "") + exact_text((*placed.solid_m)[k]);
+    text += "]";
+  }
   if (!placed.polygon_m.empty()) text += ", polygon_m: " + points(placed.polygon_m);
   if (placed.label) text += fmt::format(", label: {}", *placed.label);
   return text;

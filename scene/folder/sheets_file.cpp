@@ -1,6 +1,7 @@
 // Little-endian: a mark, how many sheets, then each sheet's head and its arrays.
 #include "scene/folder/sheets_file.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -16,6 +17,8 @@ namespace sparsha::scene {
 namespace {
 
 constexpr std::string_view kMark = "sparsha charts 1";
+constexpr std::string_view kMarkOfMore = "sparsha charts 2";  // with the layers that heights and slopes do not have
+constexpr std::array<std::vector<float> Sheet::*, 2> kMore{&Sheet::texture_m, &Sheet::curvature_per_m};  // bits 0, 1
 constexpr std::size_t kHead = 5 * sizeof(std::int32_t);
 constexpr std::size_t kNode = 3 * sizeof(float) + 1;
 constexpr std::int32_t kMostNodes = 1 << 24;  // along a side
@@ -59,6 +62,7 @@ bool keeps_its_word(const Sheet& sheet) {
     const bool known =
         std::isfinite(sheet.height_m[node]) && std::isfinite(sheet.slope_u[node]) && std::isfinite(sheet.slope_v[node]);
     if (sheet.measured(node) && !known) return false;
+    if (sheet.measured(node) && !sheet.texture_m.empty() && !std::isfinite(sheet.texture_m[node])) return false;
     if ((mask & Sheet::kCell) == 0) continue;
     if (node % nx + 1 >= nx || node + nx >= sheet.count()) return false;
     for (const std::size_t corner : {node, node + 1, node + nx, node + nx + 1}) {
@@ -68,12 +72,24 @@ bool keeps_its_word(const Sheet& sheet) {
   return true;
 }
 
+/// Bits of the layers in kMore that all sheets have.
+std::uint32_t more_of(const std::vector<Sheet>& sheets) {
+  std::uint32_t more = 0;
+  for (std::size_t k = 0; k < kMore.size(); ++k)
+    if (!sheets.empty() && std::all_of(sheets.begin(), sheets.end(),
+                                       [k](const Sheet& sheet) { return (sheet.*kMore[k]).size() == sheet.count(); }))
+      more |= 1U << k;
+  return more;
+}
+
 }  // namespace
 
 void write_sheets(const std::filesystem::path& file, const std::vector<Sheet>& sheets) {
-  std::string bytes(kMark);
+  const std::uint32_t more = more_of(sheets);
+  std::string bytes(more != 0 ? kMarkOfMore : kMark);
   const std::uint64_t count = sheets.size();
   put(bytes, &count, 1);
+  if (more != 0) put(bytes, &more, 1);
   for (const Sheet& sheet : sheets) {
     const std::array<std::int32_t, 5> head{static_cast<std::int32_t>(sheet.side), sheet.first_u, sheet.first_v,
                                            sheet.nx, sheet.ny};
@@ -82,6 +98,8 @@ void write_sheets(const std::filesystem::path& file, const std::vector<Sheet>& s
       put(bytes, values->data(), values->size());
     }
     put(bytes, sheet.mask.data(), sheet.mask.size());
+    for (std::size_t k = 0; k < kMore.size(); ++k)
+      if ((more & 1U << k) != 0) put(bytes, (sheet.*kMore[k]).data(), sheet.count());
   }
   write_file(file, bytes);
 }
@@ -91,9 +109,13 @@ std::vector<Sheet> read_sheets(const std::filesystem::path& file) {
   std::array<char, kMark.size()> mark{};
   if (reader.left() < mark.size() + sizeof(std::uint64_t)) throw reader.bad("the file is too short");
   reader.take(mark.data(), mark.size());
-  if (std::string_view(mark.data(), mark.size()) != kMark) throw reader.bad("these are not the charts of this version");
+  const std::string_view found(mark.data(), mark.size());
+  if (found != kMark && found != kMarkOfMore) throw reader.bad("these are not the charts of this version");
   std::uint64_t count = 0;
+  std::uint32_t more = 0;
   reader.take(&count, 1);
+  if (found == kMarkOfMore) reader.take(&more, 1);
+  if (more >= 1U << kMore.size()) throw reader.bad("these are layers of another version");
   if (count > reader.left() / kHead) throw reader.bad("the file is shorter than its sheets");
   std::vector<Sheet> sheets(count);
   for (Sheet& sheet : sheets) {
@@ -117,6 +139,12 @@ std::vector<Sheet> read_sheets(const std::filesystem::path& file) {
     }
     sheet.mask.resize(sheet.count());
     reader.take(sheet.mask.data(), sheet.count());
+    for (std::size_t k = 0; k < kMore.size(); ++k) {
+      if ((more & 1U << k) == 0) continue;
+      if (sheet.count() > reader.left() / sizeof(float)) throw reader.bad("the file ends within a sheet");
+      (sheet.*kMore[k]).resize(sheet.count());
+      reader.take((sheet.*kMore[k]).data(), sheet.count());
+    }
     if (!keeps_its_word(sheet)) throw reader.bad("a sheet has nodes that are called measured and are not");
   }
   if (reader.left() != 0) throw reader.bad("the file is longer than its sheets");

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "scene/area/area.h"
 #include "scene/config/layers.h"
 #include "scene/depth_grid.h"
@@ -27,13 +29,22 @@ class FrictionLaw {
   /// mu_s at a node where mu_d is `dynamic`: never less.
   [[nodiscard]] float at_rest(const Layers& layers, std::size_t node, float dynamic) const;
 
+  struct Coefficients {
+    float mu_dynamic, mu_static;
+  };
+  /// At a place (grid frame) on any side of the object, where the texture bends so much; NaN: not known. Law paper is
+  /// of one view: mu_0.
+  [[nodiscard]] Coefficients at(const Eigen::Vector3d& place_m, double curvature_per_m) const;
+
  private:
   struct Part {
     Area area;
     double mu_dynamic;
     double mu_static;
   };
-  [[nodiscard]] double with_parts(const Layers& layers, std::size_t node, double mu, double Part::*own) const;
+  [[nodiscard]] double of_curvature(double curvature_per_m) const;
+  [[nodiscard]] Eigen::Vector3d place_of(const Layers& layers, std::size_t node) const;
+  [[nodiscard]] double with_parts(const Eigen::Vector3d& place_m, double mu, double Part::*own) const;
 
   const FrictionConfig& config_;
   double c_m_;

@@ -28,7 +28,7 @@ TEST(Materials, OfPolygonsAndLabelsSoundInsideThemAndNotInTheirNotches) {
   });
   const auto sounds = audio::make_sound_bank(*scene, 48000);
   const auto name_at = [&](double x_m, double y_m) {
-    const auto region = sounds->region_at(x_m, y_m);
+    const auto region = sounds->region_at({x_m, y_m, 0.0});
     return region ? sounds->regions[*region].name : std::string("none");
   };
   EXPECT_TRUE(sounds->warnings.empty());

@@ -349,11 +349,11 @@ TEST(Materials, OfTheWholeSceneAnswerATapEverywhereButRegionsAndPartsComeFirst) 
                                                made.config.parts = {part};
                                              });
   const auto sounds = make_sound_bank(*scene, 48000);
-  EXPECT_EQ(sounds->region_at(0.15, 0.5), 0U);
-  ASSERT_TRUE(sounds->region_at(0.3, 0.5));
-  EXPECT_EQ(sounds->regions[*sounds->region_at(0.3, 0.5)].name, "door");
-  ASSERT_TRUE(sounds->region_at(7.0, -3.0));
-  EXPECT_TRUE(sounds->regions[*sounds->region_at(7.0, -3.0)].everywhere);
+  EXPECT_EQ(sounds->region_at({0.15, 0.5, 0.0}), 0U);
+  ASSERT_TRUE(sounds->region_at({0.3, 0.5, 0.0}));
+  EXPECT_EQ(sounds->regions[*sounds->region_at({0.3, 0.5, 0.0})].name, "door");
+  ASSERT_TRUE(sounds->region_at({7.0, -3.0, 0.0}));
+  EXPECT_TRUE(sounds->regions[*sounds->region_at({7.0, -3.0, 0.0})].everywhere);
   Synth synth(sounds);
   EXPECT_TRUE(synth.contact(touch(0.0, 0.8, 0.8, 1.0), 0));
 }
@@ -380,13 +380,13 @@ TEST(Regions, PolygonsAndLabelImagesHoldTheirPlaces) {
                                              [&](scene::SceneDescription& made) { made.config.audio = audio; });
   const auto sounds = make_sound_bank(*scene, 48000);
   EXPECT_TRUE(sounds->warnings.empty());
-  EXPECT_EQ(sounds->region_at(2.5, 2.5), 0U);
-  EXPECT_EQ(sounds->region_at(3.5, 3.5), std::nullopt);
-  EXPECT_EQ(sounds->region_at(0.5, 1.5), 1U);
-  EXPECT_EQ(sounds->region_at(1.5, 0.5), 1U);
-  EXPECT_EQ(sounds->region_at(0.5, 0.5), std::nullopt);
-  EXPECT_EQ(sounds->region_at(2.5, 1.5), std::nullopt);
-  EXPECT_EQ(sounds->region_at(std::nan(""), 0.0), std::nullopt);
+  EXPECT_EQ(sounds->region_at({2.5, 2.5, 0.0}), 0U);
+  EXPECT_EQ(sounds->region_at({3.5, 3.5, 0.0}), std::nullopt);
+  EXPECT_EQ(sounds->region_at({0.5, 1.5, 0.0}), 1U);
+  EXPECT_EQ(sounds->region_at({1.5, 0.5, 0.0}), 1U);
+  EXPECT_EQ(sounds->region_at({0.5, 0.5, 0.0}), std::nullopt);
+  EXPECT_EQ(sounds->region_at({2.5, 1.5, 0.0}), std::nullopt);
+  EXPECT_EQ(sounds->region_at({std::nan(""), 0.0, 0.0}), std::nullopt);
 }
 
 }  // namespace

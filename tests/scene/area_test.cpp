@@ -17,6 +17,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "scene/area/region_frame.h"
 #include "tests/support/sanitized.h"
 
@@ -439,6 +441,50 @@ TEST(Area, AnswersTheServoFastWhateverItsShape) {
     std::printf("[          ] %5.0f ns  %s, border %.3f\n", part.ns, part.name.c_str(), part.width);
     EXPECT_LT(part.ns, (part.name == "a thick scribble" ? 120.0 : 60.0) * few_ns) << part.name;
   }
+}
+
+// A box of the scans' frame, asked in a frame that is turned, moved and half as large: against the sides of the box as
+// six planes in that frame.
+TEST(Area, ABoxInSpaceIsInsideOfItsSixPlanes) {
+  const Eigen::Matrix3d turn = (Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()) *
+                                Eigen::AngleAxisd(-0.4, Eigen::Vector3d::UnitX()))
+                                   .toRotationMatrix();
+  const Eigen::Vector3d moved(3.0, -2.0, 1.0);
+  RegionFrame scan_from_region;
+  scan_from_region << 2.0 * turn, moved;
+  const std::array<double, 6> box{-1.0, -2.0, 0.5, 1.5, 1.0, 2.5};
+  const Area area(SolidBox::of(box, scan_from_region));
+  std::mt19937_64 random(17);
+  std::uniform_real_distribution<double> unit(-3.0, 3.0);
+  std::size_t inside = 0;
+  for (int k = 0; k < 20'000; ++k) {
+    const Eigen::Vector3d scan(unit(random), unit(random), unit(random));
+    const Eigen::Vector3d region = turn.transpose() * (scan - moved) / 2.0;
+    double depth = std::numeric_limits<double>::infinity();  // regions' frame, half as long
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto a = static_cast<std::size_t>(axis);
+      depth = std::min({depth, 0.5 * (scan[axis] - box[a]), 0.5 * (box[a + 3] - scan[axis])});
+    }
+    if (std::abs(depth) < 1e-9) continue;
+    inside += depth > 0.0 ? 1 : 0;
+    ASSERT_EQ(area.holds(region), depth > 0.0);
+    ASSERT_EQ(area.decides(region, 0.1), depth > 0.0);
+    const double share = area.share_inside(region, 0.2);
+    ASSERT_EQ(share == 1.0, depth >= 0.1 - 1e-12 || share == 1.0);
+    if (std::abs(depth) < 0.1) {
+      const double t = 0.5 + depth / 0.2;
+      ASSERT_NEAR(share, t * t * (3.0 - 2.0 * t), 1e-9);
+    } else {
+      ASSERT_EQ(share, depth > 0.0 ? 1.0 : 0.0);
+    }
+    if (depth > 0.0) {
+      ASSERT_TRUE(area.holds(region.x(), region.y())) << "within its outline";
+    }
+  }
+  EXPECT_GT(inside, 500U);
+  const Eigen::Vector3d middle = turn.transpose() * (Eigen::Vector3d(0.25, -0.5, 1.5) - moved) / 2.0;
+  EXPECT_LT((area.solid()->middle_m() - middle).norm(), 1e-12);
+  EXPECT_EQ(Area(Area::Box{0, 0, 1, 1}).holds(Eigen::Vector3d(0.5, 0.5, 99.0)), true) << "others have no depth";
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ PartBox drawn(const scene::Scene& scene, std::size_t part) {
   const scene::PartConfig& config = scene.description().config.parts[part];
   if (config.is_box()) return {config.name, config.box_m};
   const scene::Area area = scene::area_of(scene.description(), part);
+  if (area.solid() != nullptr) return {config.name, {}, {}, false};  // its outline would lie on the front
   return {config.name, area.bounds_m().value_or(scene::Area::Box{}), area.borders_m(), false};
 }
 

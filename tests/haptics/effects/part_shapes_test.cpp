@@ -49,11 +49,11 @@ TEST(PartShape, AsAPolygonIsFeltAsTheSameBoxToTheLastBitsButOutsideItsCorners) {
   for (int k = 0; k < 20000; ++k) {
     const double px = x(random), py = y(random);
     const bool corner = (px < 0.02 || px > 0.05) && (py < 0.01 || py > 0.07);
-    const double felt = box.stiffness_at(px, py, 800.0);
+    const double felt = box.stiffness_at({px, py, 0.0}, 800.0);
     between += felt > 300.0 && felt < 800.0 ? 1 : 0;
-    EXPECT_NEAR(polygon.stiffness_at(px, py, 800.0), felt, corner ? 0.1 * 500.0 : 1e-9);
+    EXPECT_NEAR(polygon.stiffness_at({px, py, 0.0}, 800.0), felt, corner ? 0.1 * 500.0 : 1e-9);
     EXPECT_NEAR(polygon.grain_gain_at(px, py), box.grain_gain_at(px, py), corner ? 0.1 : 1e-12);
-    EXPECT_EQ(polygon.material_at(px, py).name, box.material_at(px, py).name) << px << ' ' << py;
+    EXPECT_EQ(polygon.material_at({px, py, 0.0}).name, box.material_at({px, py, 0.0}).name) << px << ' ' << py;
   }
   EXPECT_GT(between, 500);
 }

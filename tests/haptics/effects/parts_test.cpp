@@ -168,12 +168,12 @@ TEST(Part, ThatComesFirstWinsWhereTwoOverlap) {
   effects.border_m = 0.001;
   effects.parts.push_back({{0.0, 0.0, 0.5, 1.0}, 300.0, scene::Material::bronze});
   effects.parts.push_back({{0.0, 0.0, 1.0, 1.0}, 900.0, scene::Material::wood});
-  EXPECT_EQ(effects.stiffness_at(0.25, 0.5, 800.0), 300.0);
-  EXPECT_EQ(effects.stiffness_at(0.75, 0.5, 800.0), 900.0);
-  EXPECT_EQ(effects.stiffness_at(1.5, 0.5, 800.0), 800.0);
-  EXPECT_EQ(effects.material_at(0.25, 0.5).name, "bronze");
-  EXPECT_EQ(effects.material_at(0.75, 0.5).name, "wood");
-  EXPECT_EQ(effects.material_at(1.5, 0.5).name, "granite");
+  EXPECT_EQ(effects.stiffness_at({0.25, 0.5, 0.0}, 800.0), 300.0);
+  EXPECT_EQ(effects.stiffness_at({0.75, 0.5, 0.0}, 800.0), 900.0);
+  EXPECT_EQ(effects.stiffness_at({1.5, 0.5, 0.0}, 800.0), 800.0);
+  EXPECT_EQ(effects.material_at({0.25, 0.5, 0.0}).name, "bronze");
+  EXPECT_EQ(effects.material_at({0.75, 0.5, 0.0}).name, "wood");
+  EXPECT_EQ(effects.material_at({1.5, 0.5, 0.0}).name, "granite");
 }
 
 }  // namespace

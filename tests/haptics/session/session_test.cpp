@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -18,6 +19,7 @@
 #include "base/error.h"
 #include "haptics/device/pointer/pointer_device.h"
 #include "haptics/device/simulated/simulated_device.h"
+#include "scene/area/regions.h"
 #include "tests/support/placed_hand.h"
 #include "tests/support/recorded_runs.h"
 #include "tests/support/scenes.h"
@@ -208,6 +210,44 @@ TEST(Session, AWholeObjectIsTurnedByWishesAndSaysWhatItShows) {
   EXPECT_TRUE(poll_until(session, [&] { return said(session, "no guide on a whole object"); }));
   session.requests().post({Request::Kind::fresh_visitor});
   EXPECT_TRUE(poll_until(session, [&] { return turn_w() == 1.0; })) << "the next visitor begins at the front";
+  session.stop();
+}
+
+TEST(Session, APartOnTheBackOfAWholeObjectIsTurnedToTheVisitorAndToldWhenItIsTouched) {
+  Placed hand;
+  const auto scene = test::whole_scene(test::ball_charts(), 0.1, [](scene::SceneDescription& d) {
+    d.config.around = scene::AroundConfig{};
+    const std::array<std::array<double, 6>, 2> boxes{{{-0.01, -0.01, -0.05, 0.01, 0.01, -0.03},    // behind
+                                                      {-0.05, -0.01, -0.01, -0.03, 0.01, 0.01}}};  // left
+    for (std::size_t k = 0; k < boxes.size(); ++k) {
+      scene::PartConfig part;
+      part.name = part.say = k == 0 ? "Knot of the girdle" : "Left shoulder";
+      part.solid_m = boxes[k];
+      d.config.parts.push_back(part);
+    }
+  });
+  Session session(scene, make_pointer_device(hand.place), SessionOptions{});
+  session.start();
+  hand.put(0.0, 0.0, 0.02);
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
+  const auto place_before = [&] {  // what is before the visitor, grid frame
+    const State s = session.state().read();
+    const Eigen::Quaterniond turn(s.turn[3], s.turn[0], s.turn[1], s.turn[2]);
+    return Eigen::Vector3d(turn.conjugate() * Eigen::Vector3d::UnitZ());
+  };
+  session.requests().post({Request::Kind::next_part});
+  ASSERT_TRUE(poll_until(session, [&] { return place_before().z() < -0.999; }));
+  EXPECT_TRUE(said(session, "Knot of the girdle"));
+  hand.put(0.0, 0.0, -0.004);
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().contact == 1; }));
+  EXPECT_LT(session.state().read().place_m[2], -0.03);
+  session.requests().post({Request::Kind::describe});
+  EXPECT_TRUE(poll_until(session, [&] { return said(session, "Back, "); }));
+  hand.put(0.0, 0.0, 0.02);
+  session.requests().post({Request::Kind::next_part});
+  ASSERT_TRUE(poll_until(session, [&] { return place_before().x() < -0.999; }));
+  EXPECT_TRUE(said(session, "Left shoulder"));
+  EXPECT_EQ(scene::part_at(scene->description(), {0.0, 0.0, 0.04}), nullptr) << "the front is no part";
   session.stop();
 }
 

@@ -171,6 +171,43 @@ TEST_F(AroundBuild, IsCheckedWithEveryPointAndNotOnlyTheFront) {
   EXPECT_EQ(again.around->check->agreement.p99_m, check.agreement.p99_m);
 }
 
+const std::string kTextured =
+    "around: {}\ntexture: {sigma_space_mm: 15, sigma_range_mm: 3}\nfriction: {}\n"
+    "parts: [{name: ring, box_m: [5.05, -3.1, 39.9, 5.2, -2.9, 40.1]}, {name: hole, box_m: [4.98, -3.02, 39.9, 5.02, "
+    "-2.98, 40.1]}]\n";
+
+TEST_F(AroundBuild, TextureAndItsCurvatureAreLayersOfAllSheets) {
+  const BuildResult built = build(kTextured, 1);
+  static_cast<void>(build(kTextured, 3, "again"));
+  EXPECT_EQ(bytes("scene/charts.bin"), bytes("again/charts.bin"));
+  const auto charts = scene::open_scene(folder_ / "scene")->description().charts;
+  ASSERT_TRUE(charts);
+  std::size_t nodes = 0, known = 0, rough = 0;
+  for (std::size_t s = 0; s < charts->sheets.size(); ++s) {
+    const scene::Sheet& sheet = charts->sheets[s];
+    const scene::Sheet& made = built.scene->description().charts->sheets[s];
+    ASSERT_EQ(sheet.texture_m.size(), sheet.count());
+    ASSERT_EQ(sheet.curvature_per_m.size(), sheet.count());
+    for (std::size_t node = 0; node < sheet.count(); ++node) {
+      if (!sheet.measured(node)) continue;
+      ASSERT_EQ(sheet.texture_m[node], made.texture_m[node]);
+      ++nodes;
+      known += std::isfinite(sheet.curvature_per_m[node]) ? 1 : 0;
+      rough += std::abs(sheet.texture_m[node]) > 0.5 * 2.0 * kSpacing_m ? 1 : 0;
+    }
+  }
+  EXPECT_GT(known, nodes * 99 / 100);
+  EXPECT_EQ(rough, 0U) << "a torus is smooth";
+  std::string warnings;
+  for (const std::string& warning : built.report.warnings) warnings += warning + "\n";
+  EXPECT_NE(warnings.find("part 'hole' is nowhere: no surface lies in its box"), std::string::npos) << warnings;
+  EXPECT_EQ(warnings.find("part 'ring'"), std::string::npos) << warnings;
+  BuildOptions grid;
+  grid.grid_only = true;
+  static_cast<void>(build(kTextured, 2, "grid", grid));
+  EXPECT_TRUE(scene::open_scene(folder_ / "grid")->description().config.parts.empty());
+}
+
 TEST_F(AroundBuild, RefusesWhatItCannotDo) {
   BuildOptions small;
   small.memory_points = 1000;

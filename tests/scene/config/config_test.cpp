@@ -187,6 +187,16 @@ TEST(Config, RefusesWhatIsUnknownContradictoryOrImpossibleAtItsPlace) {
       {"an unknown cue", kScan + "cues: {rim: off}\n", {"cues has no key 'rim'"}},
       {"an unknown kind of cue", kScan + "cues: {edge: loud}\n", {"edge is 'loud'", "both | sound | tick | off"}},
       {"cues that are neither", kScan + "cues: maybe\n", {"neither true nor false"}},
+      {"box in space of one view",
+       kScan + "parts: [{name: a, box_m: [0, 0, 0, 1, 1, 1]}]\n",
+       {"c.yaml:2:26", "a box of six numbers needs the whole object", "around: {}"}},
+      {"box in space that sounds of one view",
+       kScan + "audio: {regions: [{name: a, box_m: [0, 0, 0, 1, 1, 1], material: marble}]}\n",
+       {"a box of six numbers needs the whole object"}},
+      {"empty box in space",
+       kScan + "around: {}\nparts: [{name: a, box_m: [0, 0, 1, 1, 1, 1]}]\n",
+       {"c.yaml:3:26", "the box is empty", "zmin"}},
+      {"box of five numbers", kScan + "around: {}\nparts: [{name: a, box_m: [0, 0, 1, 1, 1]}]\n", {"c.yaml:3:26"}},
       {"not a map", "[1, 2]\n", {"the configuration is a list"}},
       {"nothing", "", {"the configuration is nothing"}},
   };
@@ -194,6 +204,18 @@ TEST(Config, RefusesWhatIsUnknownContradictoryOrImpossibleAtItsPlace) {
     const std::string message = message_of(refusal.text);
     for (const char* part : refusal.says) EXPECT_THAT(message, HasSubstr(part)) << refusal.name;
   }
+}
+
+TEST(Config, BoxesInSpaceOfWholeObjectsAreReadBackAsTheyWereWritten) {
+  const Config config = parse(kScan +
+                              "around: {}\nparts: [{name: knot, box_m: [-1, -2.5, 0.125, 1, 2, 3]}]\n"
+                              "audio: {regions: [{name: bell, box_m: [0, 1, 2, 3, 4, 5], material: bronze}]}\n");
+  ASSERT_TRUE(config.parts.at(0).solid_m);
+  EXPECT_FALSE(config.parts[0].is_box());
+  EXPECT_EQ(*config.parts[0].solid_m, (std::array<double, 6>{-1, -2.5, 0.125, 1, 2, 3}));
+  const Config again = parse(to_yaml(config));
+  EXPECT_EQ(again.parts.at(0).solid_m, config.parts[0].solid_m);
+  EXPECT_EQ(again.audio->regions.at(0).solid_m, (std::array<double, 6>{0, 1, 2, 3, 4, 5}));
 }
 
 TEST(Config, ReadsBackWhatItWrites) {
