@@ -15,6 +15,9 @@ constexpr double kSameNormal = 0.866025404;  // cosine of 30 degrees: the same s
 constexpr double kNearNormal = 0.5;          // of 60 degrees: the same surface where a sheet ends
 constexpr double kSameGap = 0.5;             // cells between two sheets of one surface
 constexpr double kEndGap = 1.5;              // the same where a sheet ends
+constexpr double kMostShift = 2.0;           // cells along a sheet's side that the proxy moves when it goes over
+constexpr double kBetterFacing = 0.2;        // of the rim of another sheet, beyond that of the own
+constexpr double kRimGap = 0.5;              // cells: that such a rim counts further away
 constexpr double kEdgeGap = 1.5;             // cells: so far past an edge the proxy may have come
 constexpr double kHeldGap = 0.6;             // cells: so near a sheet may hold a proxy that leaves another
 constexpr double kHeldDepth = 0.5;           // cells: of the hand below that sheet's tangent plane, at least
@@ -146,21 +149,33 @@ class Course {
   }
 
   /// Off the surface, unless another sheet at this place holds the hand back: worn edges have normals of many
-  /// directions. True when there is more to do.
+  /// directions. A sheet of the same surface that was left in this tick holds it, too, until the next. True when there
+  /// is more to do.
   bool leave(std::uint32_t but) noexcept {
     const double h = object_.spacing_m;
     const Eigen::Vector3d pull = hip_m_ - state_.position_m;
-    std::uint32_t best = kNoSheet;
-    SheetView there;
+    const SheetView own = view_of(sheet(), state_.position_m);
+    std::uint32_t best = kNoSheet, left = kNoSheet;
+    SheetView there, before;
     double deepest = kHeldDepth * h;
     for (const Passing& passing : object_.blocks.sheets_at(state_.position_m)) {
       const std::uint32_t other = passing.sheet;
-      if (other == state_.sheet || other == but || !may_enter(other)) continue;
+      if (other == state_.sheet || other == but) continue;
       const SheetView view = view_of(object_.sheets[other], state_.position_m);
       if (view.cell == kNoCell || std::abs(view.gap_m) > kHeldGap * h || -pull.dot(view.normal) <= deepest) continue;
+      if (!may_enter(other)) {
+        if (view.cell < kLookCell || own.cell == kNoCell || view.normal.dot(own.normal) < kNearNormal) continue;
+        left = other;
+        before = view;
+        continue;
+      }
       deepest = -pull.dot(view.normal);
       best = other;
       there = view;
+    }
+    if (best == kNoSheet && left != kNoSheet) {
+      move_to(left, before);
+      return stop_unfinished();
     }
     if (best == kNoSheet) {
       take_off(state_.position_m);
@@ -217,10 +232,14 @@ class Course {
       const std::uint32_t other = passing.sheet;
       if (other == state_.sheet) continue;
       const SheetView view = view_of(object_.sheets[other], state_.position_m);
-      if (view.cell < (cell == kNoCell ? kRimCell : kLookCell) || std::abs(view.gap_m) > least) continue;
+      // Where both are continued, the one that faces the surface better is off by less.
+      const bool rim = view.cell == kRimCell && cell == kRimCell;
+      if (rim && (!(view.gap_m > 0.0) || view.facing < slid_.normal.z() + kBetterFacing)) continue;
+      const double gap_m = std::abs(view.gap_m) + (rim ? kRimGap * object_.spacing_m : 0.0);
+      if (view.cell < (cell < kLookCell ? kRimCell : kLookCell) || gap_m > least) continue;
       if (view.normal.dot(normal_) < (ends ? kNearNormal : kSameNormal) || !may_enter(other)) continue;
-      if (!ends && view.facing < kEnterFacing) continue;
-      least = std::abs(view.gap_m);
+      if ((!ends && view.facing < kEnterFacing) || gap_m > kMostShift * object_.spacing_m * view.facing) continue;
+      least = gap_m;
       best = other;
       there = view;
     }
