@@ -53,10 +53,25 @@ function(sparsha_headers component)
   endforeach()
 endfunction()
 
+# Headers that moved are included by their earlier names as well, until 0.2: a file a name, below `detail` as the headers are.
+function(sparsha_moved_headers component)
+  string(JSON count LENGTH "${rooms}" moved)
+  math(EXPR last "${count} - 1")
+  foreach(i RANGE 0 ${last})
+    string(JSON earlier MEMBER "${rooms}" moved ${i})
+    string(JSON now GET "${rooms}" moved ${earlier})
+    file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/earlier/${earlier} @ONLY
+      CONTENT "// Goes away with version 0.2.\n#pragma once\n\n#include \"@now@\"\n")
+    get_filename_component(folder ${earlier} DIRECTORY)
+    install(FILES ${PROJECT_BINARY_DIR}/earlier/${earlier} DESTINATION ${SPARSHA_INSTALL_INCLUDE}/${folder} COMPONENT ${component})
+  endforeach()
+endfunction()
+
 # What both components stand on belongs to the first: CMake exports a target once.
 sparsha_package(haptics SparshaCoreTargets base sparsha_base_core scene sparsha_scene_core)
 sparsha_package(haptics SparshaHapticsTargets state sparsha_state haptics sparsha_haptics)
 sparsha_headers(haptics)
+sparsha_moved_headers(haptics)
 
 if(SPARSHA_COMPONENTS STREQUAL "all")
   # Templates over PCL's point types, and what they are built on.
