@@ -225,7 +225,7 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
   constexpr double kCrowded = 16.0;  // point spacings between nodes
   if (!only_mesh && (plan.discs || plan.lattice.spacing_m < kCrowded * statistics.point_spacing_m)) {
     const double times = plan.discs ? plan.discs->most_spacings / DiscRule::kMostSpacings : 1.0;
-    plan.scatter = find_scatter(pieces, extent, times * statistics.point_spacing_m);
+    plan.scatter = find_scatter(pieces, totals, extent, times * statistics.point_spacing_m);
   }
   const double finer = statistics.point_spacing_m / plan.lattice.spacing_m;
   plan.rule = {statistics.noise_m, std::clamp(static_cast<int>(std::ceil(6.0 * finer)), 3, 24)};

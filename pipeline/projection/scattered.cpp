@@ -55,6 +55,24 @@ std::uint32_t count_around(const Cubes& cubes, const Cube& key, std::uint32_t en
   return sum;
 }
 
+/// Which cube a place lies in.
+class CubeGrid {
+ public:
+  explicit CubeGrid(const ScatterRule& rule) : corner_m_(rule.corner_m), per_cube_(1.0 / rule.cube_m) {}
+
+  /// False where the coordinate is no number, or too far away to be counted.
+  bool along(std::size_t axis, float value_m, std::int64_t& cube) const {
+    const double at = std::floor((static_cast<double>(value_m) - corner_m_[axis]) * per_cube_);
+    if (!(std::abs(at) < 1e15)) return false;
+    cube = static_cast<std::int64_t>(at);
+    return true;
+  }
+
+ private:
+  std::array<double, 3> corner_m_;
+  double per_cube_;
+};
+
 /// The cubes of all processes, with their points together.
 Cubes joined(const OrientedPieces& pieces, const Cubes& own) {
   std::vector<Counted> all;
@@ -70,15 +88,15 @@ Cubes joined(const OrientedPieces& pieces, const Cubes& own) {
 }
 
 /// The cubes of some blocks of columns, as large as it takes for about kSampled points.
-Cubes sample_cubes(const OrientedPieces& pieces, const Extent& extent, double cube_m) {
-  const double side_m = kBlockCubes * cube_m;
+Cubes sample_cubes(const OrientedPieces& pieces, const Extent& extent, const ScatterRule& rule) {
+  const double side_m = kBlockCubes * rule.cube_m;
   const double points = static_cast<double>(std::max<std::uint64_t>(1, extent.supported));
   BlockKernel kernel;
   kernel.x0_m = static_cast<float>(extent.xmin_m);
   kernel.y0_m = static_cast<float>(extent.ymin_m);
   kernel.per_m = static_cast<float>(1.0 / side_m);
   kernel.limit = static_cast<std::uint32_t>(std::min(1.0, kSampled / steady(points)) * 4294967295.0);
-  const auto per_cube = static_cast<float>(1.0 / cube_m);
+  const CubeGrid grid(rule);
   Cubes cubes;
   std::array<std::uint32_t, kBatch> numbers;
   pieces([&](const OrientedPoints& piece) {
@@ -96,9 +114,9 @@ Cubes sample_cubes(const OrientedPieces& pieces, const Extent& extent, double cu
                                               static_cast<std::int64_t>((a - static_cast<float>(i)) * kBlockCubes));
         const auto v = std::min<std::int64_t>(kBlockCubes - 1,
                                               static_cast<std::int64_t>((b - static_cast<float>(j)) * kBlockCubes));
-        const float w = std::floor(piece.z[k] * per_cube);
-        if (!(std::abs(w) < 1e15F)) continue;
-        Counted& cube = cubes[cubes.number({i * kBlockCubes + u, j * kBlockCubes + v, static_cast<std::int64_t>(w)})];
+        std::int64_t w = 0;
+        if (!grid.along(2, piece.z[k], w)) continue;
+        Counted& cube = cubes[cubes.number({i * kBlockCubes + u, j * kBlockCubes + v, w})];
         ++cube.count;
         cube.inner = std::min(u, v) > 0 && std::max(u, v) < kBlockCubes - 1;
       }
@@ -114,11 +132,13 @@ int ScatterRule::bins_needed(double node_spacing_m) const {
   return most == 0 ? 0 : static_cast<int>(std::ceil(2.0 * cube_m / node_spacing_m)) + 1;
 }
 
-ScatterRule find_scatter(const OrientedPieces& pieces, const Extent& extent, double spacing_m) {
+ScatterRule find_scatter(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
+                         double spacing_m) {
   ScatterRule rule;
   if (!(spacing_m > 0.0)) return rule;
   rule.cube_m = ScatterRule::kCubeSpacings * steady(spacing_m);
-  Cubes cubes = sample_cubes(pieces, extent, rule.cube_m);
+  rule.corner_m = {extent.xmin_m, extent.ymin_m, static_cast<double>(totals.min_m.z())};
+  Cubes cubes = sample_cubes(pieces, extent, rule);
   std::unordered_map<std::uint64_t, std::uint64_t> columns;
   const auto column = [](std::int64_t x, std::int64_t y) {
     return (static_cast<std::uint64_t>(x) << 32U) | (static_cast<std::uint64_t>(y) & 0xffffffffU);
@@ -157,15 +177,10 @@ std::uint64_t flag_scattered(const OrientedPoints& points, const ScatterRule& ru
                              const BinWindow& counted, std::vector<std::uint8_t>& skip) {
   if (rule.most == 0) return 0;
   skip.resize(points.count, 0);
-  const auto per_cube = static_cast<float>(1.0 / rule.cube_m);
+  const CubeGrid grid(rule);
   const auto cube_of = [&](std::size_t k, Cube& cube) {
-    const std::array<float, 3> at{std::floor(points.x[k] * per_cube), std::floor(points.y[k] * per_cube),
-                                  std::floor(points.z[k] * per_cube)};
-    for (std::size_t d = 0; d < 3; ++d) {
-      if (!(std::abs(at[d]) < 1e15F)) return false;
-      cube[d] = static_cast<std::int64_t>(at[d]);
-    }
-    return true;
+    return grid.along(0, points.x[k], cube[0]) && grid.along(1, points.y[k], cube[1]) &&
+           grid.along(2, points.z[k], cube[2]);
   };
   Cubes cubes;
   Cube cube{};

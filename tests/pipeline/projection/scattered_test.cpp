@@ -13,24 +13,30 @@
 namespace sparsha::test {
 namespace {
 
+/// With a share more of points, scattered evenly in the scan's box.
+ObjectScan in_a_cloud(const ObjectScan& scan, double share) {
+  ObjectScan both = scan;
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(1e9), high = -low;
+  for (const auto& p : scan.points) {
+    low = low.cwiseMin(Eigen::Vector3d(p[0], p[1], p[2]));
+    high = high.cwiseMax(Eigen::Vector3d(p[0], p[1], p[2]));
+  }
+  std::mt19937_64 random(71);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  const auto more = static_cast<std::size_t>(share * static_cast<double>(scan.points.size()));
+  for (std::size_t n = 0; n < more; ++n) {
+    const Eigen::Vector3d at(uniform(random), uniform(random), uniform(random));
+    const Eigen::Vector3d p = low + at.cwiseProduct(high - low);
+    both.points.push_back({p.x(), p.y(), p.z()});
+  }
+  return both;
+}
+
 TEST(ScatteredPoints, GrowNoSurfaceBesideAnObject) {
   for (const std::size_t k : {0U, 4U}) {
     const NamedObject& named = objects()[k];
     const ObjectScan scan = scan_object(*named.object, cloud_of(60'000));
-    ObjectScan both = scan;
-    Eigen::Vector3d low = Eigen::Vector3d::Constant(1e9), high = -low;
-    for (const auto& p : scan.points) {
-      low = low.cwiseMin(Eigen::Vector3d(p[0], p[1], p[2]));
-      high = high.cwiseMax(Eigen::Vector3d(p[0], p[1], p[2]));
-    }
-    std::mt19937_64 random(71);
-    std::uniform_real_distribution<double> uniform(0.0, 1.0);
-    for (std::size_t n = 0; n < scan.points.size() / 10; ++n) {
-      const Eigen::Vector3d at(uniform(random), uniform(random), uniform(random));
-      const Eigen::Vector3d p = low + at.cwiseProduct(high - low);
-      both.points.push_back({p.x(), p.y(), p.z()});
-    }
-    const pipeline::Projection found = project_scan(both);
+    const pipeline::Projection found = project_scan(in_a_cloud(scan, 0.1));
     ASSERT_TRUE(found.closed) << named.name << ": discs decide";
     const Judgement f = judge_object(found.grid, *named.object, scan);
     EXPECT_LE(f.beyond, 0.02) << named.name;
@@ -93,6 +99,25 @@ TEST(ScatteredPoints, GrowNoSurfaceAlongTheRaysOfStationsNearAndFar) {
     EXPECT_LE(f.beyond, kShare / 5.0) << named.name;
     EXPECT_LE(f.wrong_smooth, 0.002) << named.name;
     EXPECT_GE(f.covered, 0.9) << named.name;
+  }
+}
+
+// The origin of oriented points is a median of points that a hash chooses: it moves by spacings where coordinates move
+// by nanometres, and which points count as scattered must not follow it.
+TEST(ScatteredPoints, AreTheSameWhenTheObjectIsMovedByNanometres) {
+  for (const std::size_t k : {0U, 4U}) {
+    const NamedObject& named = objects()[k];
+    ObjectScan scan = in_a_cloud(scan_object(*named.object, cloud_of(60'000)), 0.1);
+    const Points points = scan.points;
+    const auto before = static_cast<double>(project_scan(scan).scattered);
+    ASSERT_GT(before, 0.0) << named.name;
+    for (int n = 1; n <= 6; ++n) {
+      for (std::size_t p = 0; p < points.size(); ++p) {
+        for (std::size_t axis = 0; axis < 3; ++axis) scan.points[p][axis] = points[p][axis] + 1e-9 * n;
+      }
+      const auto after = static_cast<double>(project_scan(scan).scattered);
+      EXPECT_NEAR(after, before, 1.0) << named.name << ", " << n << " nm: one may lie on the face of a cube";
+    }
   }
 }
 
