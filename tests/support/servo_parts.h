@@ -96,4 +96,28 @@ inline bool eventually(const std::function<bool()>& so) {
   return false;
 }
 
+/// A servo on flat stone whose only clock is the device's, from its start to the device's last sample.
+struct ClockedRun {
+  template <typename ClockedDevice>
+  explicit ClockedRun(ClockedDevice& device, double rate_hz = 1000.0)
+      : servo(device, options(device.clock(), rate_hz), window_on(sparsha::test::flat_scene()), state, {}, nullptr) {
+    servo.start();
+    finished = eventually([&] { return servo.finished(); });
+    servo.stop();
+  }
+
+  Seqlock<State> state;
+  Servo servo;
+  bool finished = false;
+
+ private:
+  static ServoOptions options(ServoClock clock, double rate_hz) {
+    ServoOptions result;
+    result.real_time = false;
+    result.renderer.rate_hz = rate_hz;
+    result.clock = std::move(clock);
+    return result;
+  }
+};
+
 }  // namespace sparsha::haptics

@@ -197,29 +197,42 @@ TEST(ServoFreedom, TheCountersWouldSeeAnAllocationAndALock) {
   EXPECT_EQ(locks.load(), 1U);
 }
 
+/// Trapped system calls are counted while it lives.
+class CountedSystemCalls {
+ public:
+  CountedSystemCalls() {
+    struct sigaction action {};
+    action.sa_sigaction = count_system_call;
+    action.sa_flags = SA_SIGINFO;
+    counting = sigaction(SIGSYS, &action, &before_) == 0;
+    system_calls.store(0);
+  }
+  CountedSystemCalls(const CountedSystemCalls&) = delete;
+  CountedSystemCalls& operator=(const CountedSystemCalls&) = delete;
+  ~CountedSystemCalls() {
+    if (counting) sigaction(SIGSYS, &before_, nullptr);
+  }
+
+  bool counting = false;
+
+ private:
+  struct sigaction before_ {};
+};
+
 TEST(ServoFreedom, FromHandPositionToForceNothingOfTheSystemIsCalled) {
   if (SPARSHA_SANITIZED) GTEST_SKIP() << "sanitizers make system calls of their own";
-  struct sigaction action {};
-  struct sigaction before {};
-  action.sa_sigaction = count_system_call;
-  action.sa_flags = SA_SIGINFO;
-  ASSERT_EQ(sigaction(SIGSYS, &action, &before), 0);
-  system_calls.store(0);
+  const CountedSystemCalls counted;
+  ASSERT_TRUE(counted.counting);
   WatchingDevice device(true);
   run(device);
-  sigaction(SIGSYS, &before, nullptr);
   if (!device.trapping()) GTEST_SKIP() << "this kernel cannot trap system calls for a thread (needs Linux 5.11)";
   EXPECT_EQ(system_calls.load(), 0U);
 }
 
 TEST(ServoFreedom, TheTrapWouldSeeASystemCall) {
   if (SPARSHA_SANITIZED) GTEST_SKIP() << "sanitizers make system calls of their own";
-  struct sigaction action {};
-  struct sigaction before {};
-  action.sa_sigaction = count_system_call;
-  action.sa_flags = SA_SIGINFO;
-  ASSERT_EQ(sigaction(SIGSYS, &action, &before), 0);
-  system_calls.store(0);
+  const CountedSystemCalls counted;
+  ASSERT_TRUE(counted.counting);
   bool trapping = false;
   std::thread thread([&] {
     trapping = prctl(PR_SET_SYSCALL_USER_DISPATCH, PR_SYS_DISPATCH_ON, 0UL, 0UL, &selector) == 0;
@@ -229,7 +242,6 @@ TEST(ServoFreedom, TheTrapWouldSeeASystemCall) {
     selector = kAllow;
   });
   thread.join();
-  sigaction(SIGSYS, &before, nullptr);
   if (!trapping) GTEST_SKIP() << "this kernel cannot trap system calls for a thread (needs Linux 5.11)";
   EXPECT_EQ(system_calls.load(), 1U);
 }

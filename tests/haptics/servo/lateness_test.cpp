@@ -128,19 +128,13 @@ TEST(Lateness, APauseAtAnyPlaceOfATickEndsTheForceUntilTheHandHasBeenInTheAir) {
         device.place = place;
         device.at_tick = 250;  // in the stone, at full force
         device.jump_ns = jump_ns;
-        Seqlock<State> state;
-        ServoOptions options;
-        options.real_time = false;
-        options.clock = device.clock();
-        Servo servo(device, options, window_on(sparsha::test::flat_scene()), state, {}, nullptr);
-        servo.start();
-        ASSERT_TRUE(eventually([&] { return servo.finished(); })) << "no clock makes it sleep for ever";
-        servo.stop();
+        const ClockedRun run(device);
+        ASSERT_TRUE(run.finished) << "no clock makes it sleep for ever";
         std::size_t pauses = 0;
         judge(device.writes, 0, DeviceInfo{}.limits.slew_n_per_s, pauses);
         EXPECT_GE(pauses, 1U);
-        EXPECT_GE(servo.figures().late_faults, 1U);
-        EXPECT_GE(servo.silences(), 1U);
+        EXPECT_GE(run.servo.figures().late_faults, 1U);
+        EXPECT_GE(run.servo.silences(), 1U);
         double strongest_n = 0.0;
         for (const Write& write : device.writes)
           if (&write > &device.writes[device.writes.size() - 600]) strongest_n = std::max(strongest_n, write.force_n);
@@ -154,34 +148,21 @@ TEST(Lateness, BelowTenMillisecondsIsNoFaultAndGrowsTheForceByOneNominalStepOnly
     device.place = WatchedDevice::Place::sleep;
     device.at_tick = 99;  // it sleeps over the beginning of contact
     device.jump_ns = jump_ns;
-    Seqlock<State> state;
-    ServoOptions options;
-    options.real_time = false;
-    options.clock = device.clock();
-    Servo servo(device, options, window_on(sparsha::test::flat_scene()), state, {}, nullptr);
-    servo.start();
-    ASSERT_TRUE(eventually([&] { return servo.finished(); }));
-    servo.stop();
+    const ClockedRun run(device);
+    ASSERT_TRUE(run.finished);
     std::size_t pauses = 0;
     judge(device.writes, 0, DeviceInfo{}.limits.slew_n_per_s, pauses);
     EXPECT_EQ(pauses, 0U);
-    EXPECT_EQ(servo.figures().late_faults, 0U);
-    EXPECT_LE(servo.figures().faults, servo.figures().watchdog_trips * 2) << "the watchdog has the real clock";
+    EXPECT_EQ(run.servo.figures().late_faults, 0U);
+    EXPECT_LE(run.servo.figures().faults, run.servo.figures().watchdog_trips * 2) << "the watchdog has the real clock";
   }
 }
 
 TEST(Lateness, AHundredHertzAreSlowAndNotLate) {
   WatchedDevice device(false);
-  Seqlock<State> state;
-  ServoOptions options;
-  options.real_time = false;
-  options.renderer.rate_hz = 100.0;
-  options.clock = device.clock();
-  Servo servo(device, options, window_on(sparsha::test::flat_scene()), state, {}, nullptr);
-  servo.start();
-  ASSERT_TRUE(eventually([&] { return servo.finished(); }));
-  servo.stop();
-  EXPECT_EQ(servo.figures().late_faults, 0U);
+  const ClockedRun run(device, 100.0);
+  ASSERT_TRUE(run.finished);
+  EXPECT_EQ(run.servo.figures().late_faults, 0U);
   double strongest_n = 0.0;
   for (const Write& write : device.writes) strongest_n = std::max(strongest_n, write.force_n);
   EXPECT_GT(strongest_n, 0.05);

@@ -48,21 +48,15 @@ class SleepyDevice final : public Device {
   std::int64_t time_ns_ = 1'000'000'000;
 };
 
-std::vector<double> run(SleepyDevice& device) {
-  Seqlock<State> state;
-  ServoOptions options;
-  options.real_time = false;
-  options.clock = device.clock();
-  Servo servo(device, options, window_on(sparsha::test::flat_scene()), state, {}, nullptr);
-  servo.start();
-  EXPECT_TRUE(eventually([&] { return servo.finished(); }));
-  servo.stop();
+std::vector<double> told_in_a_run(SleepyDevice& device) {
+  const ClockedRun run(device);
+  EXPECT_TRUE(run.finished);
   return device.told_s;
 }
 
 TEST(Woken, ADeviceOnTheServosClockIsToldWhenTheServoReallyWoke) {
   SleepyDevice device(false);
-  const std::vector<double> told_s = run(device);
+  const std::vector<double> told_s = told_in_a_run(device);
   for (std::size_t k = 1; k < SleepyDevice::kTicks; ++k)
     EXPECT_NEAR(told_s[k] - told_s[k - 1], 1e-9 * static_cast<double>(device.woke_ns[k] - device.woke_ns[k - 1]), 1e-9)
         << k;
@@ -70,7 +64,7 @@ TEST(Woken, ADeviceOnTheServosClockIsToldWhenTheServoReallyWoke) {
 
 TEST(Woken, AComputedHandIsToldThePlanSoThatEveryRunIsTheSame) {
   SleepyDevice device(true);
-  const std::vector<double> told_s = run(device);
+  const std::vector<double> told_s = told_in_a_run(device);
   for (std::size_t k = 0; k < SleepyDevice::kTicks; ++k) EXPECT_NEAR(std::remainder(told_s[k], 0.001), 0.0, 1e-12) << k;
 }
 

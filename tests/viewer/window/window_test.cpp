@@ -27,6 +27,17 @@ namespace {
 
 class Window : public OnADisplay {};
 
+/// Runs a window until it is closed; what it threw, empty when nothing.
+template <typename Connections>
+std::string problem_of_window(Connections& connections) {
+  try {
+    run_window(connections, {});
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return {};
+}
+
 TEST(WindowWithoutDisplay, IsFoundOutCheaplyAndSaid) {
   const auto began = std::chrono::steady_clock::now();
   {
@@ -108,12 +119,7 @@ TEST_F(Window, KeysAndMouseReachTheSession) {
     expect("q", Kind::quit);
     finished = true;
   });
-  std::string window_problem;
-  try {
-    run_window(connections, {});
-  } catch (const std::exception& error) {
-    window_problem = error.what();
-  }
+  const std::string window_problem = problem_of_window(connections);
   finished = true;
   visitor.join();
   EXPECT_EQ(window_problem, "");
@@ -255,12 +261,7 @@ TEST_F(Window, OpensOnTheRawCloudScansAndGoesBackToIt) {
     request("q", haptics::Request::Kind::quit);
     finished = true;
   });
-  std::string window_problem;
-  try {
-    run_window(connections, {});
-  } catch (const std::exception& error) {
-    window_problem = error.what();
-  }
+  const std::string window_problem = problem_of_window(connections);
   finished = true;
   visitor.join();
   EXPECT_EQ(window_problem, "");

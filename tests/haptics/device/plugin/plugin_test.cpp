@@ -210,15 +210,19 @@ TEST_F(Plugin, AWorkspaceThatCannotBeIsNoForce) {
   EXPECT_THAT(device->info().warning, HasSubstr("workspace"));
 }
 
-TEST_F(Plugin, AProgramThatIsKilledLeavesTheMotorOff) {
+/// Another program that presses, for a minute unless it is ended.
+pid_t program_with_a_hand_in_the_stone() {
   ::setenv("SPARSHA_TEST_PLUGIN", "", 1);
   const pid_t program = ::fork();
-  if (program == 0) {
-    const auto device = make_plugin_device(FAULTY_PLUGIN);
-    const Running run(*device);
-    std::this_thread::sleep_for(std::chrono::seconds(60));
-    ::_exit(0);
-  }
+  if (program != 0) return program;
+  const auto device = make_plugin_device(FAULTY_PLUGIN);
+  const Running run(*device);
+  std::this_thread::sleep_for(std::chrono::seconds(60));
+  ::_exit(0);
+}
+
+TEST_F(Plugin, AProgramThatIsKilledLeavesTheMotorOff) {
+  const pid_t program = program_with_a_hand_in_the_stone();
   ASSERT_TRUE(eventually([&] { return motor_->micronewtons.load() > 300'000; }));
   ::kill(program, SIGKILL);
   int status = 0;
@@ -228,14 +232,7 @@ TEST_F(Plugin, AProgramThatIsKilledLeavesTheMotorOff) {
 }
 
 TEST_F(Plugin, AProgramThatIsStoppedHoldsNoForce) {
-  ::setenv("SPARSHA_TEST_PLUGIN", "", 1);
-  const pid_t program = ::fork();
-  if (program == 0) {
-    const auto device = make_plugin_device(FAULTY_PLUGIN);
-    const Running run(*device);
-    std::this_thread::sleep_for(std::chrono::seconds(60));
-    ::_exit(0);
-  }
+  const pid_t program = program_with_a_hand_in_the_stone();
   ASSERT_TRUE(eventually([&] { return motor_->micronewtons.load() > 300'000; }));
   ::kill(program, SIGSTOP);
   EXPECT_TRUE(off());
