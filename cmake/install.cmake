@@ -4,16 +4,21 @@
 include(CMakePackageConfigHelpers)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/Sparsha)
 
-# sparsha_require_built(component target): installing says what is to be built first.
+# sparsha_require_built(component target [BY name]): installing says what is to be built first, by another target's name where
+# the target's own means two files.
 function(sparsha_require_built component target)
+  cmake_parse_arguments(ARG "" "BY" "" ${ARGN})
+  if(NOT ARG_BY)
+    set(ARG_BY ${target})
+  endif()
   install(CODE "if(NOT EXISTS \"$<TARGET_FILE:${target}>\")
-    message(FATAL_ERROR \"the component ${component} is not built; first: cmake --build ${CMAKE_BINARY_DIR} --target ${target}\")
+    message(FATAL_ERROR \"the component ${component} is not built; first: cmake --build ${CMAKE_BINARY_DIR} --target ${ARG_BY}\")
   endif()" COMPONENT ${component})
 endfunction()
 sparsha_require_built(haptics sparsha_haptics)
 if(SPARSHA_COMPONENTS STREQUAL "all")
   sparsha_require_built(pcl sparsha_for_pcl)
-  sparsha_require_built(program sparsha)
+  sparsha_require_built(program sparsha BY sparsha_runnable)
 endif()
 
 # sparsha_package(component export-set NAME target...): the libraries, under sparsha::NAME.
