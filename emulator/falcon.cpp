@@ -90,7 +90,8 @@ bool Falcon::control(std::uint8_t request, std::uint16_t value, double time_s) {
   const std::array<std::uint8_t, 3> bytes{request, static_cast<std::uint8_t>(value & 0xFFU),
                                           static_cast<std::uint8_t>(value >> 8U)};
   tell(WireEvent::Kind::control, bytes, time_s);
-  if (!bridge_.control(request, value, time_s)) return false;
+  const bool heeds = request != BridgeRequest::kEventCharacter || options_.heeds_event_character;
+  if (heeds && !bridge_.control(request, value, time_s)) return false;
   if (request == BridgeRequest::kModem) modem(value);
   if (request == BridgeRequest::kReset && value != 2) parser_.reset();
   if (request == BridgeRequest::kBaud && value == kRunDivisor && mode_ != Mode::run) {

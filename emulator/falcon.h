@@ -18,9 +18,10 @@ namespace sparsha::emulator {
 /// What the device is, and its faults. Counts of 0 mean never.
 struct FalconOptions {
   bool firmware_loaded = true;
-  bool powered = true;             ///< without power nothing behind the bridge works
-  bool homed = false;              ///< knows its position already
-  std::size_t image_bytes = 4096;  ///< least upload that makes running firmware
+  bool heeds_event_character = true;  ///< false: the bridge takes it, and answers wait for the timer
+  bool powered = true;                ///< without power nothing behind the bridge works
+  bool homed = false;                 ///< knows its position already
+  std::size_t image_bytes = 4096;     ///< least upload that makes running firmware
   double counts_per_newton_metre = 10000.0;
   int corrupt_echo_byte = -1;   ///< first upload only: the echo of this byte is wrong
   int deaf_handshakes = 0;      ///< this many greetings stay without reply

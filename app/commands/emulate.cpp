@@ -76,6 +76,8 @@ const Fault kFaults[] = {
     {"three-tries", "two uploads echo well and yet run nothing", [](Setting& s) { s.falcon.failed_loads = 2; }},
     {"late-arm", "the right arm's encoder is not homed before 7 s are over",
      [](Setting& s) { s.falcon.arm_missing_s = 7.0; }},
+    {"no-event-character", "the USB bridge takes the event character, and answers wait for its timer all the same",
+     [](Setting& s) { s.falcon.heeds_event_character = false; }},
     {"deaf", "the boot loader answers only the 20th greeting", [](Setting& s) { s.falcon.deaf_handshakes = 19; }},
     {"no-power", "its power supply is not plugged in", [](Setting& s) { s.falcon.powered = false; }},
     {"warm-start", "another program has left it running and homed",

@@ -187,6 +187,8 @@ CheckReport check_wire(Transport& wire, const FalconOptions& options, double lin
     return report;
   }
   Answer last;
+  lengthen_timer(wire);
+  forget_late_answers(wire);
   report.link = measure(wire, link_s, options.stop, last);
   const bool homed = last.homed == 7;
   if (report.link.unplugged && !homed)

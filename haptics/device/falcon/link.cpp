@@ -18,6 +18,8 @@ constexpr std::size_t kSmallestImage = 1024, kLargestImage = 65536;
 /// 62 bytes and two of modem status fill one USB packet.
 constexpr std::size_t kChunk = 62;
 constexpr int kHandshakeTries = 30;  ///< a second, at 16 ms a read
+/// Of the bridge's timer: what waits for the last is later than exchange() waits.
+constexpr std::uint16_t kShortLatency_ms = 1, kLongLatency_ms = 4, kProbeLatency_ms = 16;
 const char* const kPowerRemedy =
     "the Falcon's own power supply plugged in and its logo lit; then unplug and replug USB, directly and not through a "
     "hub";
@@ -76,6 +78,7 @@ void wait_for_quiet(Transport& wire) {
 /// True when firmware answers, and no more answers are on their way.
 bool runs(Transport& wire) {
   if (!firmware_answers(wire)) return false;
+  lengthen_timer(wire);
   wait_for_quiet(wire);
   return true;
 }
@@ -109,11 +112,22 @@ std::vector<std::uint8_t> read_firmware(const std::filesystem::path& file) {
 }
 
 void enter_run_mode(Transport& wire) {
-  set(wire, Request::latency, 1, "its latency timer");
+  set(wire, Request::latency, kShortLatency_ms, "its latency timer");
   // An answer's last byte sends what the bridge holds at once. One that does not know this still has its timer.
   if (wire.control(Request::event_character, value::kEventAnswer) == TransportStatus::gone) throw unplugged();
   set(wire, Request::baud, value::kBaudRun, "1.5 Mbaud");
   purge(wire);
+}
+
+void lengthen_timer(Transport& wire) {
+  constexpr int kQuestions = 16, kMostLate = 2;
+  if (wire.control(Request::latency, kProbeLatency_ms) != TransportStatus::ok) return;
+  AnswerStream stream;
+  Answer answer;
+  int late = 0;
+  for (int i = 0; i < kQuestions; ++i)
+    if (!exchange(wire, stream, encode({}, 0), answer, 1)) ++late;
+  set(wire, Request::latency, late > kMostLate ? kShortLatency_ms : kLongLatency_ms, "its latency timer");
 }
 
 bool exchange(Transport& wire, AnswerStream& stream, const Packet& packet, Answer& answer, int tries) {

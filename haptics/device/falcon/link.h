@@ -31,6 +31,12 @@ namespace sparsha::haptics::falcon {
 /// 1.5 Mbaud, latency timer 1 ms, buffers purged. Throws Error{device} when the bridge does not apply.
 void enter_run_mode(Transport& wire);
 
+/// To be called while firmware answers. Where the bridge sends an answer at its event character, no answer waits for
+/// the bridge's timer, and one of 1 ms does harm: it cuts answers in two, or reports nothing just before one, and
+/// either costs a frame. Such a bridge gets 4 ms; one whose answers wait keeps 1 ms. Answers may be on their way
+/// afterwards.
+void lengthen_timer(Transport& wire);
+
 /// Sends `packet` and waits for a well-formed answer, up to `tries` times 5 ms.
 [[nodiscard]] bool exchange(Transport& wire, AnswerStream& stream, const Packet& packet, Answer& answer, int tries);
 

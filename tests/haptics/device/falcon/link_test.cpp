@@ -56,6 +56,31 @@ TEST(FalconLink, RunningFirmwareIsRecognisedAndLeftAlone) {
   EXPECT_TRUE(bench.emulator->device->uploaded().empty());
 }
 
+TEST(FalconLink, TheTimerIsLongWhereNoAnswerWaitsForItAndAMillisecondWhereAnswersDo) {
+  for (const bool heeds : {true, false}) {
+    EmulatorOptions options;
+    options.heeds_event_character = heeds;
+    Bench bench{options};
+    bring_up(*bench.wire, image());
+    EXPECT_EQ(bench.emulator->device->latency_ms(), heeds ? 4 : 1);
+    // Nothing of before is taken for the answer to what is asked next.
+    AnswerStream stream;
+    Answer answer;
+    EXPECT_TRUE(exchange(*bench.wire, stream, encode({}, 0), answer, 1));
+    const CheckReport report = check_wire(*bench.wire, {}, 0.05);
+    EXPECT_EQ(report.link.answered, report.link.asked);
+    EXPECT_EQ(bench.emulator->device->latency_ms(), heeds ? 4 : 1);
+  }
+}
+
+TEST(FalconLink, ABridgeThatLosesAnswersKeepsTheShortTimer) {
+  EmulatorOptions options;
+  options.lose_every = 3;
+  Bench bench{options};
+  bring_up(*bench.wire, image());
+  EXPECT_EQ(bench.emulator->device->latency_ms(), 1);
+}
+
 TEST(FalconLink, FirmwareIsLoadedToTheByteWhenNoneRuns) {
   Bench bench(bare());
   double last = 0.0;
