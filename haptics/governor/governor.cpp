@@ -24,7 +24,7 @@ constexpr double kMostUndeclared_s = 0.004;
 constexpr double kLeastDelay_s = 0.001;
 constexpr double kJitter = 1.15;       // of the pace: not yet jitter; of the nominal period: not yet another rate
 constexpr double kSlower = 1.05;       // of the nominal period, more than a bin of the meter: a loop that is slower
-constexpr double kNoLoop_s = 0.010;    // beyond the nominal period: gaps, and no loop
+constexpr double kNoLoop_s = 0.014;    // beyond the nominal period: gaps, and no loop
 constexpr double kAnotherRate = 1.4;   // of the period of some seconds: the loop has become slower
 constexpr double kSoften_s = 0.020;    // time constants of the stiffness in contact
 constexpr double kSoftenSwings = 3.0;  // half-swings
@@ -154,6 +154,7 @@ GovernorOutput Governor::without_news(const GovernorInput& input) noexcept {
   const Vector3d& held_n = commanded_n_[delay()];
   if (gap_s_ == 0.0) gap_least_n_ = held_n.norm();
   gap_s_ += input.period_s;
+  unseen_s_ += input.period_s;
   if (held_n.squaredNorm() > gap_n_.squaredNorm()) gap_n_ = held_n;
   Vector3d next_n = Vector3d::Zero();
   const double last = commanded_n_[0].norm();
@@ -167,7 +168,7 @@ GovernorOutput Governor::without_news(const GovernorInput& input) noexcept {
 }
 
 void Governor::count_free_time(const GovernorInput& input) noexcept {
-  free_s_ = input.contact ? 0.0 : free_s_ + std::min(input.period_s, pace_s_);
+  free_s_ = input.contact ? 0.0 : free_s_ + std::min(gap_s_ + input.period_s, pace_s_);
   if (free_s_ < kArming_s) return;
   armed_ = true;
   if (input.guided) return;
@@ -223,8 +224,9 @@ void Governor::watch_hand(const GovernorInput& input) noexcept {
   const double period_s = std::max(since_last_s, 0.1 * input.nominal_period_s);
   motion_.add(input.position_m, has_last_ ? period_s : 0.0);
   learn_step(moved_m.norm(), period_s);
-  periods_.add(since_last_s);
-  recent_periods_.add(since_last_s);
+  const double seen_s = std::exchange(unseen_s_, 0.0) + input.period_s;
+  periods_.add(seen_s);
+  recent_periods_.add(seen_s);
   if (input.delay_s > 0.0) delays_.add(input.delay_s);
   in_contact_ = input.contact;
   if (input.contact) {

@@ -155,7 +155,8 @@ class Governor {
   bool armed_ = false;
   double free_s_ = 0.0;
   bool has_last_ = false;
-  double gap_s_ = 0.0;                               ///< without news of the hand
+  double gap_s_ = 0.0;     ///< without news of the hand
+  double unseen_s_ = 0.0;  // since the last fresh sample, through stops too: the pace of a slow device
   Eigen::Vector3d gap_n_ = Eigen::Vector3d::Zero();  ///< the largest force that the device held meanwhile
   double gap_least_n_ = 0.0;                         ///< and the size of the least
   std::array<Eigen::Vector3d, kLongestDelay + 1> commanded_n_ = zeros();  ///< newest first

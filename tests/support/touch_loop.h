@@ -101,6 +101,9 @@ struct TouchCase {
   double jitter_s = 0.0;          ///< a tick comes late by up to so much
   double lost = 0.0;              ///< share of ticks without news of the hand
   bool told_lost = false;         ///< they come as samples that are not fresh; else not at all
+  double sample_hz = 0.0;         ///< > 0: the device looks at the hand so often and repeats what it saw in between
+  double sample_jitter = 0.0;     ///< of the time between two looks, one comes later or earlier by up to this share
+  double stops_s = 1e9;           ///< from then on it looks no more
   double delay_s = 0.001;         ///< from the writing of a force to the hand
   int declared_ticks = 1;         ///< what the device says of that
   bool governed = true;           ///< else the wished spring reaches the hand, up to 8 N
@@ -191,6 +194,10 @@ inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window, const
   Vector3d position = intended(0.0);
   Vector3d velocity = Vector3d::Zero();
   Vector3d measured = position;
+  const auto see = [&] {
+    for (int axis = 0; axis < 3; ++axis)
+      measured[axis] = c.encoder_step_m * std::round(position[axis] / c.encoder_step_m);
+  };
   ForceGate gate;
   double share = 1.0;  // of the command that the gate let through
   std::uint64_t gated = 0;
@@ -209,14 +216,23 @@ inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window, const
   std::deque<std::array<double, 2>> recent;
   std::uint64_t planned = 0;
   double next_tick_s = 0.0;
+  std::uint64_t looks = 0;
+  double next_look_s = 0.0;
+  bool looked = false;  // since the last tick
   for (std::uint64_t step = 0; static_cast<double>(step) * kStep < c.duration_s; ++step) {
     const double t = static_cast<double>(step) * kStep;
+    if (c.sample_hz > 0.0 && t >= next_look_s && t < c.stops_s) {
+      if (uniform() >= c.lost) {
+        see();
+        looked = true;
+      }
+      next_look_s = (static_cast<double>(++looks) + c.sample_jitter * (2.0 * uniform() - 1.0)) / c.sample_hz;
+    }
     if (t >= next_tick_s) {
-      const bool lost = uniform() < c.lost;
-      if (!lost || c.told_lost) {
-        if (!lost)
-          for (int axis = 0; axis < 3; ++axis)
-            measured[axis] = c.encoder_step_m * std::round(position[axis] / c.encoder_step_m);
+      const bool repeated = c.sample_hz > 0.0;
+      const bool lost = repeated ? !std::exchange(looked, false) : uniform() < c.lost;
+      if (!lost || repeated || c.told_lost) {
+        if (!lost && !repeated) see();
         haptics::DeviceSample sample = haptics::sample_at(measured, t);
         sample.fresh = !lost;
         renderer.update(sample, 1.0 / c.configured_hz);
