@@ -4,8 +4,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <limits>
+
+#include "base/text/utf8.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -81,6 +84,18 @@ double slow_value(const char* p, const char* end) {
   return value;
 }
 
+/// Letters are shown. What looks like a blank, a sign or nothing at all has to be named.
+bool is_letter(std::uint32_t code) {
+  const bool european = code >= 0xC0 && code < 0x530 && code != 0xD7 && code != 0xF7;
+  return european || (code >= 0x3040 && code < 0xD7A4);
+}
+
+std::string code_of(std::uint32_t code) {
+  std::array<char, 16> text{};
+  std::snprintf(text.data(), text.size(), "<U+%04X>", static_cast<unsigned>(code));
+  return text.data();
+}
+
 }  // namespace
 
 const char* parse_number(const char* p, const char* end, double& value) {
@@ -151,8 +166,19 @@ std::string_view take_word(std::string_view& text) {
 std::string in_quotes(std::string_view word) {
   constexpr std::size_t kLongest = 32;
   std::string result = "'";
-  for (const char c : word.substr(0, kLongest)) result += c >= ' ' && c < 127 ? c : '?';
-  if (word.size() > kLongest) result += "...";
+  std::size_t shown = 0;
+  for (; shown < kLongest && !word.empty(); ++shown) {
+    const Utf8Character c = first_utf8(word);
+    if (c.code >= ' ' && c.code < 127 && c.bytes == 1) {
+      result += word.front();
+    } else if (c.bytes > 1) {
+      result += is_letter(c.code) ? std::string(word.substr(0, c.bytes)) : code_of(c.code);
+    } else {
+      result += '?';
+    }
+    word.remove_prefix(std::max<std::size_t>(1, c.bytes));
+  }
+  if (!word.empty()) result += "...";
   return result + "'";
 }
 

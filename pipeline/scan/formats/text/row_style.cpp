@@ -115,7 +115,48 @@ bool add_digits(std::string_view row, std::vector<WrittenDigits>& columns) {
   return true;
 }
 
+/// "1 234", "-12 345 678.9", between quotes too: groups of three digits behind one blank each.
+bool is_spaced_number(std::string_view value) {
+  const auto is_around = [](char c) { return is_blank(c) || c == '"'; };
+  while (!value.empty() && is_around(value.front())) value.remove_prefix(1);
+  while (!value.empty() && is_around(value.back())) value.remove_suffix(1);
+  if (!value.empty() && (value.front() == '-' || value.front() == '+')) value.remove_prefix(1);
+  std::size_t groups = 0;
+  for (;;) {
+    const std::size_t digits =
+        static_cast<std::size_t>(std::find_if_not(value.begin(), value.end(), is_digit) - value.begin());
+    if (groups == 0 ? digits < 1 || digits > 3 : digits != 3) return false;
+    ++groups;
+    value.remove_prefix(digits);
+    if (value.empty() || value.front() != ' ') break;
+    value.remove_prefix(1);
+  }
+  const bool ends = value.empty() || value.front() == '.' || value.front() == ',';
+  return groups > 1 && ends && std::all_of(value.begin() + (value.empty() ? 0 : 1), value.end(), is_digit);
+}
+
 }  // namespace
+
+bool are_thousands_spaced(const std::vector<std::string_view>& rows) {
+  for (const char separator : {'\t', ';', ','}) {
+    std::size_t spaced = 0;
+    for (std::string_view rest : rows) {
+      if (count_separators(rest, separator) < 2) {
+        spaced = 0;
+        break;
+      }
+      bool any = false;
+      for (std::size_t end = 0; end != std::string_view::npos && !any;) {
+        end = rest.find(separator);
+        any = is_spaced_number(rest.substr(0, end));
+        if (end != std::string_view::npos) rest.remove_prefix(end + 1);
+      }
+      spaced += any ? 1 : 0;
+    }
+    if (2 * spaced > rows.size()) return true;
+  }
+  return false;
+}
 
 Commas commas_of_row(std::string_view line) {
   if (line.find(',') == std::string_view::npos) return Commas::none_or_separators;

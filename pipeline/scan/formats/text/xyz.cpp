@@ -46,6 +46,11 @@ class Reader {
           break;
         case RowKind::words:
           if (lines.number() >= layout_.first_row && line != layout_.header) {
+            if (line.front() == '\0') {
+              throw file_.error_at(lines.number(),
+                                   "zero bytes in place of rows, as where a file was not written to its end",
+                                   "a complete file, or one without them");
+            }
             throw file_.error_at(lines.number(), in_quotes(line) + " is not a row of numbers", expected_row());
           }
           break;
