@@ -4,8 +4,10 @@
     sparsha device emulate --device haply -- python3 haply_wire_watch.py SPARSHA RATE_HZ FAULT [nightly]
 
 It shares nothing with the driver or the emulator: frames and JSON are read here. Messages are passed on as they come;
-once the program presses, the fault is made here, on the wire: brake, disconnect, malformed, not-framed, silence or
-sleep. What the program commands afterwards is to be zero within one tick.
+once the program presses, the fault is made here, on the wire: brake, disconnect, malformed, not-framed, silence, sleep,
+masked (a frame as only clients send), utf8 (text that is none), huge (a number that is none), far (a place at which no
+hand can be) or twice (two places of one hand). What the program commands afterwards is to be zero within one tick.
+`odd` is no fault: from then on the service says the same as no client expects but every one has to understand.
 """
 import json
 import math
@@ -56,6 +58,30 @@ def text_frame(text):
     return head + data
 
 
+OTHERS = "".join('{"device_id":"OTHER%d","state":{"cursor_position":{"x":9,"y":9,"z":9}}},' % i for i in range(40))
+
+
+def odd_frames(message):
+    """The same state, its keys turned round, its numbers written otherwise, among devices and keys that nobody knows; in
+    three frames, between which two pings come."""
+    def odd(value):
+        if isinstance(value, dict):
+            items = [json.dumps(key) + "\t: " + odd(part) for key, part in reversed(list(value.items()))]
+            return '{"unknown":[{"x":1E+2}],"unknown":null' + "".join(" ,\n" + item for item in items) + "}"
+        if isinstance(value, list):
+            return "[ " + ",".join(odd(part) for part in value) + " ]"
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            return json.dumps(value, ensure_ascii=False)
+        return "-0" if value == 0 else f"{value:.15e}"
+
+    data = odd(dict(message, currency="\u20ac \U0001F5FF")).replace('"inverse3"\t: [', '"inverse3"\t: [' + OTHERS).encode()
+    third = len(data) // 3
+    parts = [data[:third], data[third:2 * third], data[2 * third:]]
+    frames_of = [bytes([first]) + (b"\x7e" + struct.pack(">H", len(part)) if len(part) > 125 else bytes([len(part)])) + part
+                 for first, part in zip((0x01, 0x00, 0x80), parts)]
+    return frames_of[0] + b"\x89\x02hi" + frames_of[1] + b"\x89\x00" + frames_of[2]
+
+
 class Pipe:
     """A client of the tap, and its connection to the service."""
 
@@ -79,6 +105,7 @@ class Watch:
             self.listeners.append(listener)
         self.pipes, self.commands = [], []  # commands: (time, newtons, pipe)
         self.identity, self.faulty_s, self.released_s, self.at = "", None, None, None
+        self.pongs = set()
 
     def port(self, which):
         return self.listeners[which].getsockname()[1]
@@ -91,6 +118,9 @@ class Watch:
                 pipe.client.sendall(text)
 
     def from_client(self, pipe, payload, whole):
+        if whole[0] & 0x0F == 10:
+            self.pongs.add(payload)
+            return
         command = json.loads(payload) if payload[:1] == b"{" else {}
         force = {}
         for one in command.get("inverse3", []):
@@ -117,10 +147,14 @@ class Watch:
                 whole = text_frame('{"inverse3":[{"state":{"cursor_position":{"x":0.0,')
             elif self.fault == "not-framed":
                 whole = b"\xff" * 40
+            elif self.fault in ("masked", "utf8", "huge", "far", "twice"):
+                whole = self.spoilt(payload.decode())
         if self.at is None:
             pipe.client.sendall(whole)
             return
         since_s = now - self.faulty_s
+        if self.fault == "odd":
+            whole = odd_frames(message)
         if self.fault == "silence" and since_s < 0.06:
             return
         if self.fault == "disconnect" and since_s < FAULT_S:
@@ -129,6 +163,21 @@ class Watch:
             self.released_s = now
             self.event("device-safety-triggered", {"safety_type": "ebrake_released"})
         pipe.client.sendall(whole)
+
+    def spoilt(self, text):
+        place = json.dumps(json.loads(text)["inverse3"][0]["state"]["cursor_position"], separators=(",", ":"))
+        known = '"cursor_position":' + place
+        assert known in text, text
+        if self.fault == "masked":
+            data = text.encode()
+            return b"\x81\xfe" + struct.pack(">H", len(data)) + b"\0\0\0\0" + data  # a mask that changes nothing
+        if self.fault == "utf8":
+            data = text.encode()[:-1] + b',"name":"\xc3("}'
+            return b"\x81\x7e" + struct.pack(">H", len(data)) + data
+        other = {"huge": '"cursor_position":{"x":1e400,"y":0.0,"z":0.0}',
+                 "far": '"cursor_position":{"x":30.0,"y":0.0,"z":-30.0}',
+                 "twice": known + ',"cursor_position":{"x":0.0,"y":0.0,"z":0.0}'}[self.fault]
+        return text_frame(text.replace(known, other))
 
     def hang_up(self, pipe):
         for end in (pipe.client, pipe.service):
@@ -180,6 +229,12 @@ class Watch:
         if self.at is None:
             return ["the program never pressed"]
         after = self.commands[self.at:]
+        if self.fault == "odd":
+            pressing = sum(n > PRESSED_N for t, n, _ in after if t < self.faulty_s + FAULT_S)
+            wrong = [] if pressing > 20 else [f"{pressing} commands pressed: it is not understood"]
+            if self.pongs != {b"hi", b""}:
+                wrong.append(f"pings are answered by {self.pongs}")
+            return wrong if self.commands[-1][1] == 0.0 else wrong + ["the last command was no zero"]
         # One may be on its way, and one tick may have begun, when an event comes; an answer that is awaited meets none.
         crossing = 2 if self.fault in ("brake", "sleep") else 0
         until_s = {"brake": self.released_s, "disconnect": self.faulty_s + FAULT_S}.get(self.fault, self.faulty_s)
@@ -230,7 +285,7 @@ def main():
                 print(said.read())
         rate = len(times) / max(1e-9, times[-1] - times[0]) if times else 0.0
         print(f"{fault} at {rate_hz:.0f} Hz: {len(times)} commands, {rate:.0f} a second;",
-              "; ".join(wrong) if wrong else "zero force within a tick")
+              "; ".join(wrong) if wrong else "it is understood" if fault == "odd" else "zero force within a tick")
     return 1 if wrong else 0
 
 

@@ -315,8 +315,7 @@ DeviceInfo haply_info() {
   info.fastest_m_per_s = 5.0;
   info.warning =
       "The Inverse3's driver was not tried on hardware; no page tells its greatest force and workspace, 5 N and 0.1 m "
-      "are "
-      "taken";
+      "are taken";
   return info;
 }
 

@@ -14,13 +14,15 @@ using Kind = JsonValue::Kind;
 constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
 constexpr double kDisplaced = 1e-4;  // of a transform: metres, parts of a quaternion, scale
 
-/// Gathers x, y, z below a path; true once all are there.
-void take_axis(std::string_view key, const JsonValue& value, Eigen::Vector3d& vector, unsigned& seen) {
+/// Gathers x, y, z below a path; all are there when `seen` is 7. False when one is told twice.
+[[nodiscard]] bool take_axis(std::string_view key, const JsonValue& value, Eigen::Vector3d& vector, unsigned& seen) {
   for (std::size_t axis = 0; axis < kAxes.size(); ++axis)
     if (key == kAxes[axis] && value.kind == Kind::number) {
+      if ((seen >> axis & 1U) != 0) return false;
       vector[static_cast<Eigen::Index>(axis)] = value.number;
       seen |= 1U << axis;
     }
+  return true;
 }
 
 /// Reads one message. What is told of a device comes before it is known which it is where its id stands last: each
@@ -47,7 +49,7 @@ class StateReader {
 
   [[nodiscard]] bool finish() {
     keep();
-    return object_;
+    return object_ && !told_twice_;
   }
 
  private:
@@ -65,13 +67,16 @@ class StateReader {
       ++state_.inverses;
     }
     if (!open_) return;
-    if (path.ends_from(2, "device_id") && value.kind == Kind::text) one_.first.set(value.text);
+    if (path.ends_from(2, "device_id") && value.kind == Kind::text) {
+      once(one_.first.size == 0);
+      one_.first.set(value.text);
+    }
     if (path.size() == 5 && path.ends_from(2, "state", "cursor_position", path[4].key))
-      take_axis(path[4].key, value, one_.position_m, position_);
+      once(take_axis(path[4].key, value, one_.position_m, position_));
     if (path.size() == 5 && path.ends_from(2, "state", "current_cursor_force", path[4].key))
-      take_axis(path[4].key, value, one_.force_n, force_);
+      once(take_axis(path[4].key, value, one_.force_n, force_));
     if (path.size() == 5 && path.ends_from(2, "state", "cursor_velocity", path[4].key))
-      take_axis(path[4].key, value, one_.velocity_m_per_s, velocity_);
+      once(take_axis(path[4].key, value, one_.velocity_m_per_s, velocity_));
     if (path.ends_from(2, "config", "filters", "damping", "scalar") && value.kind == Kind::number)
       one_.damping_n_s_per_m = value.number;
     if (path.ends_from(2, "config", "basis", "permutation")) {
@@ -88,6 +93,8 @@ class StateReader {
       one_.displaced = one_.displaced || std::abs(value.number - rest_of(path[4].key, path[5].key)) > kDisplaced;
     if (path.ends_from(2, "status", "calibrated") && value.kind == Kind::boolean) one_.uncalibrated = !value.boolean;
   }
+
+  void once(bool is) noexcept { told_twice_ = told_twice_ || !is; }
 
   void grip(const JsonPath& path, const JsonValue& value) {
     if (path[1].index != 0) return;
@@ -112,7 +119,9 @@ class StateReader {
     open_ = false;
     if (state_.inverses == 1) state_.first = one_.first;
     const bool wanted = wanted_.empty() ? state_.inverses == 1 : one_.first == wanted_;
-    if (!wanted || state_.found) return;
+    if (!wanted) return;
+    once(!state_.found);
+    if (state_.found) return;
     state_.found = true;
     state_.has_position = position_ == 7U;
     state_.position_m = one_.position_m;
@@ -134,6 +143,7 @@ class StateReader {
   ServiceState one_;
   unsigned position_ = 0, force_ = 0, velocity_ = 0;
   bool open_ = false, object_ = false;
+  bool told_twice_ = false;  ///< who says two things of one hand is not believed in either
 };
 
 /// Text into a buffer of fixed size.

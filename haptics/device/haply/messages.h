@@ -50,7 +50,8 @@ struct ServiceState {
   }
 };
 
-/// False when the message is no JSON object, or a number of it is none. Unknown keys and kinds are passed over.
+/// False when the message is no JSON object, a number of it is none, or it tells twice what is needed of one device:
+/// its id, or a coordinate of its place or force. Unknown keys and kinds are passed over, in any order.
 [[nodiscard]] bool read_state(std::string_view text, std::string_view wanted, ServiceState& state) noexcept;
 
 /// Of every Inverse3 that a message lists, in its order; empty where it is no message.

@@ -5,6 +5,8 @@
 #include <cstring>
 #include <string>
 
+#include "base/text/utf8.h"
+
 namespace sparsha::haptics::haply {
 namespace {
 
@@ -70,7 +72,7 @@ FrameReader::Found FrameReader::next(std::string_view& text) noexcept {
     if (!in_message_) message_size_ = 0;
     if (!in_message_ && last) {
       text = payload;
-      return Found::text;
+      return is_utf8(text) ? Found::text : fail();
     }
     if (payload.size() > message_.size() - message_size_) return fail();
     std::memcpy(message_.data() + message_size_, payload.data(), payload.size());
@@ -78,7 +80,7 @@ FrameReader::Found FrameReader::next(std::string_view& text) noexcept {
     in_message_ = !last;
     if (!last) continue;
     text = {message_.data(), message_size_};
-    return Found::text;
+    return is_utf8(text) ? Found::text : fail();
   }
   return Found::nothing;
 }

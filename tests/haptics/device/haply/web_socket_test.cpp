@@ -61,6 +61,24 @@ TEST(HaplyFrames, WhatTheStandardForbidsIsMalformedForEver) {
   }
 }
 
+TEST(HaplyFrames, TextThatIsNoUtf8IsMalformedWhereverItIsCut) {
+  // A lone continuation, a cut character, a surrogate, more than there is, a longer form than needed.
+  for (const std::string wrong : {"\x80", "\xC3", "\xE2\x82", "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xC0\xAF", "\xFF"}) {
+    for (const int pieces : {1, 3}) {
+      FrameReader reader;
+      std::string_view text;
+      feed(reader, emulator::WebSocketPeer::frames_of("{\"name\":\"" + wrong + "\"}", pieces));
+      EXPECT_EQ(reader.next(text), Found::malformed);
+    }
+  }
+  FrameReader reader;
+  std::string_view text;
+  // A character may be cut by frames.
+  feed(reader, std::string_view("\x01\x03\x22\xE2\x82\x80\x02\xAC\x22", 9));
+  EXPECT_EQ(reader.next(text), Found::text);
+  EXPECT_EQ(text, "\"\xE2\x82\xAC\"");
+}
+
 TEST(HaplyFrames, MessagesOfAllSizesInAnyPiecesArriveWhole) {
   std::mt19937 random(5);
   FrameReader reader;
@@ -150,6 +168,24 @@ TEST(HaplyMessages, StatesOfSeveralServicesAreUnderstoodWithoutAllocation) {
       read_state(R"({"inverse3":[{"device_id":"0A1B","state":{"cursor_position":{"x":1,"y":2}}}]})", "0A1B", state));
   EXPECT_FALSE(state.has_position) << "two coordinates are no place";
   EXPECT_FALSE(read_state("[1]", "", state));
+}
+
+TEST(HaplyMessages, WhoTellsTwiceWhereTheHandIsIsNotBelieved) {
+  const auto read = [](const std::string& element) {
+    ServiceState state;
+    return read_state(R"({"inverse3":[)" + element + "]}", "A", state) && state.has_position;
+  };
+  const std::string place = R"("cursor_position":{"x":1e-3,"y":-0,"z":0.16})";
+  EXPECT_TRUE(read(R"({"device_id":"A","state":{)" + place + "}}"));
+  EXPECT_TRUE(read(R"({"state":{"unknown":{"x":1,"x":2},)" + place + R"(},"new":1,"new":2,"device_id":"A"})"))
+      << "of what nobody knows anything may be told";
+  EXPECT_FALSE(read(R"({"device_id":"A","state":{)" + place + "," + place + "}}"));
+  EXPECT_FALSE(read(R"({"device_id":"A","state":{)" + place + R"(},"state":{)" + place + "}}"));
+  EXPECT_FALSE(read(R"({"device_id":"A","state":{"cursor_position":{"x":0,"y":0,"z":0,"x":0.1}}})"));
+  EXPECT_FALSE(read(R"({"device_id":"A","device_id":"B","state":{)" + place + "}}"));
+  EXPECT_FALSE(read(R"({"device_id":"A","state":{"current_cursor_force":{"x":0,"y":0,"z":0,"z":3},)" + place + "}}"));
+  EXPECT_TRUE(read(R"({"device_id":"B","state":{)" + place + R"(}},{"device_id":"A","state":{)" + place + "}}"))
+      << "two devices are two";
 }
 
 TEST(HaplyMessages, EventsSayWhatTheyMeanForTheForce) {
