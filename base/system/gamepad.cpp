@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -19,7 +20,10 @@ namespace {
 
 // Of linux/input-event-codes.h, for systems that have none: tests feed them everywhere.
 constexpr int kKey = 1, kAbsolute = 3;
-constexpr int kX = 0, kY = 1, kRightTrigger = 5, kGas = 9, kPressure = 24;
+constexpr int kX = 0, kY = 1, kRightTrigger = 5, kGas = 9, kHatX = 16, kHatY = 17, kPressure = 24, kTiltX = 26,
+              kTiltY = 27;
+constexpr double kMostTilt_rad = 1.3;  // flatter no pen is held
+constexpr double kRadian_per_degree = 3.14159265358979323846 / 180.0;
 constexpr int kSouth = 0x130, kEast = 0x131, kNorth = 0x133, kWest = 0x134, kRightTrigger2 = 0x139;
 constexpr int kPen = 0x140, kStylus = 0x14B, kStylus2 = 0x14C;
 
@@ -36,6 +40,33 @@ double PadReader::share(int axis, int value) const noexcept {
   if (range.most <= range.least) return 0.0;
   const double width = static_cast<double>(range.most) - static_cast<double>(range.least);
   return std::clamp((static_cast<double>(value) - static_cast<double>(range.least)) / width, 0.0, 1.0);
+}
+
+double PadReader::stick(int axis, int value) const noexcept {
+  const Range range = ranges_[static_cast<std::size_t>(axis)];
+  const double middle = 0.5 * (static_cast<double>(range.least) + static_cast<double>(range.most));
+  if (std::abs(static_cast<double>(value) - middle) <= static_cast<double>(range.flat)) return 0.0;
+  return 2.0 * share(axis, value) - 1.0;
+}
+
+double PadReader::tilt_rad(int axis, int value) const noexcept {
+  const Range range = ranges_[static_cast<std::size_t>(axis)];
+  const double units = std::clamp(static_cast<double>(value), static_cast<double>(range.least),
+                                  std::max(static_cast<double>(range.least), static_cast<double>(range.most)));
+  const double rad = range.resolution > 0 ? units / static_cast<double>(range.resolution) : units * kRadian_per_degree;
+  return std::clamp(rad, -kMostTilt_rad, kMostTilt_rad);
+}
+
+void PadReader::take_pen(int axis, int value) noexcept {
+  const double part = share(axis, value);
+  if (axis == kX) state_.pen_x = part;
+  if (axis == kY) state_.pen_y = 1.0 - part;
+  if (axis == kPressure) state_.pressure = part;
+  const Range range = ranges_[static_cast<std::size_t>(axis)];
+  if ((axis != kTiltX && axis != kTiltY) || range.most <= range.least) return;
+  state_.has_tilt = true;
+  if (axis == kTiltX) state_.tilt_x_rad = tilt_rad(axis, value);
+  if (axis == kTiltY) state_.tilt_y_rad = -tilt_rad(axis, value);
 }
 
 void PadReader::take(int type, int code, int value) noexcept {
@@ -55,16 +86,15 @@ void PadReader::take(int type, int code, int value) noexcept {
     return;
   }
   if (type != kAbsolute || code < 0 || static_cast<std::size_t>(code) >= ranges_.size()) return;
-  const double part = share(code, value);
-  if (pen) {
-    if (code == kX) state_.pen_x = part;
-    if (code == kY) state_.pen_y = 1.0 - part;
-    if (code == kPressure) state_.pressure = part;
-    return;
-  }
-  if (code == kX) state_.left_x = 2.0 * part - 1.0;
-  if (code == kY) state_.left_y = 1.0 - 2.0 * part;
-  if (code == kRightTrigger || code == kGas) state_.right_trigger = part;
+  if (pen) return take_pen(code, value);
+  const auto step = [value] { return static_cast<double>((value > 0) - (value < 0)); };
+  if (code == kX) state_.left_x = stick(code, value);
+  if (code == kY) state_.left_y = -stick(code, value);
+  if (code == kHatX) state_.hat_x = step();
+  if (code == kHatY) state_.hat_y = -step();
+  // Where there is a pedal of its own, the other axis is half of the right stick, which rests in its middle.
+  const bool has_gas = ranges_[kGas].most > ranges_[kGas].least;
+  if (code == (has_gas ? kGas : kRightTrigger)) state_.right_trigger = share(code, value);
 }
 
 #if defined(__linux__)
@@ -82,12 +112,7 @@ bool has(const std::array<unsigned char, N>& bits, int bit) {
 class EventPad final : public Pad {
  public:
   EventPad(int file, PadKind kind) : file_(file), reader_(kind) {
-    for (const int axis : {kX, kY, kRightTrigger, kGas, kPressure}) {
-      input_absinfo info{};
-      if (::ioctl(file_, EVIOCGABS(static_cast<unsigned>(axis)), &info) < 0) continue;
-      reader_.set_range(axis, {info.minimum, info.maximum});
-      reader_.take(kAbsolute, axis, info.value);
-    }
+    look_anew();
     std::array<unsigned char, FF_MAX / 8 + 1> effects{};
     rumbles_ = ::ioctl(file_, EVIOCGBIT(EV_FF, effects.size()), effects.data()) >= 0 && has(effects, FF_RUMBLE);
   }
@@ -108,8 +133,12 @@ class EventPad final : public Pad {
     std::array<input_event, kMostEvents> events{};
     const ssize_t got = ::read(file_, events.data(), sizeof events);
     if (got < 0 && errno != EAGAIN && errno != EINTR) gone_ = true;
-    for (std::size_t i = 0; got > 0 && i < static_cast<std::size_t>(got) / sizeof(input_event); ++i)
+    bool lost = false;
+    for (std::size_t i = 0; got > 0 && i < static_cast<std::size_t>(got) / sizeof(input_event); ++i) {
+      lost = lost || (events[i].type == EV_SYN && events[i].code == SYN_DROPPED);
       reader_.take(events[i].type, events[i].code, events[i].value);
+    }
+    if (lost) look_anew();
     state = reader_.state();
     state.connected = !gone_;
   }
@@ -133,6 +162,20 @@ class EventPad final : public Pad {
   }
 
  private:
+  /// Where axes and keys are now: events tell changes only, and the kernel drops them where nobody reads.
+  void look_anew() noexcept {
+    for (const int axis : {kX, kY, kRightTrigger, kGas, kHatX, kHatY, kPressure, kTiltX, kTiltY}) {
+      input_absinfo info{};
+      if (::ioctl(file_, EVIOCGABS(static_cast<unsigned>(axis)), &info) < 0) continue;
+      reader_.set_range(axis, {info.minimum, info.maximum, info.flat, info.resolution});
+      reader_.take(kAbsolute, axis, info.value);
+    }
+    std::array<unsigned char, KEY_MAX / 8 + 1> keys{};
+    if (::ioctl(file_, EVIOCGKEY(keys.size()), keys.data()) < 0) return;
+    for (const int key : {kSouth, kEast, kWest, kNorth, kRightTrigger2, kStylus, kStylus2, kPen})
+      reader_.take(kKey, key, has(keys, key) ? 1 : 0);
+  }
+
   int file_;
   PadReader reader_;
   bool rumbles_ = false, gone_ = false;
@@ -151,33 +194,73 @@ std::unique_ptr<Pad> pad_of_file(int file, PadKind kind) {
   return is_kind(file, kind) ? std::make_unique<EventPad>(file, kind) : nullptr;
 }
 
-std::unique_ptr<Pad> open_pad(PadKind kind, std::string& problem) {
-  problem = kind == PadKind::gamepad ? "no gamepad is plugged in" : "no tablet with a pen is plugged in";
+namespace {
+
+const std::filesystem::path kNodes = "/dev/input";
+
+/// A file that the pad closes; negative where this user may not open it, with its name in `problem`.
+int open_node(const std::filesystem::path& node, std::string& problem) {
+  int file = ::open(node.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0) file = ::open(node.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0 && errno == EACCES) problem += ", or this user may not open " + node.string() + " (group input)";
+  return file;
+}
+
+std::unique_ptr<Pad> pad_of_node(const std::filesystem::path& node, PadKind kind, std::string& problem) {
+  const int file = open_node(node, problem);
+  if (file < 0) return nullptr;
+  auto pad = pad_of_file(file, kind);
+  if (!pad) ::close(file);
+  return pad;
+}
+
+std::vector<std::filesystem::path> event_nodes() {
   std::error_code code;
   std::vector<std::filesystem::path> nodes;
-  for (const auto& entry : std::filesystem::directory_iterator("/dev/input", code))
+  for (const auto& entry : std::filesystem::directory_iterator(kNodes, code))
     if (entry.path().filename().string().starts_with("event")) nodes.push_back(entry.path());
-  std::sort(nodes.begin(), nodes.end());
-  for (const auto& node : nodes) {
-    int file = ::open(node.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
-    if (file < 0) file = ::open(node.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    if (file < 0) {
-      if (errno == EACCES) problem += ", or this user may not open " + node.string() + " (group input)";
-      continue;
-    }
-    if (auto pad = pad_of_file(file, kind)) return pad;
-    ::close(file);
+  const auto place = [](const std::filesystem::path& node) { return std::pair(node.string().size(), node.string()); };
+  std::sort(nodes.begin(), nodes.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
+  return nodes;
+}
+
+std::string none_of(PadKind kind) {
+  return kind == PadKind::gamepad ? "no gamepad is plugged in" : "no tablet with a pen is plugged in";
+}
+
+}  // namespace
+
+std::unique_ptr<Pad> open_pad(PadKind kind, const std::string& node, std::string& problem) {
+  problem = none_of(kind);
+  if (!node.empty()) {
+    problem = node + " is " + (kind == PadKind::gamepad ? "no gamepad" : "no tablet with a pen") + " of /dev/input";
+    return pad_of_node(kNodes / node, kind, problem);
   }
+  for (const auto& one : event_nodes())
+    if (auto pad = pad_of_node(one, kind, problem)) return pad;
   return nullptr;
+}
+
+std::vector<FoundPad> find_pads(PadKind kind, std::string& problem) {
+  problem = none_of(kind);
+  std::vector<FoundPad> found;
+  for (const auto& one : event_nodes())
+    if (const auto pad = pad_of_node(one, kind, problem)) found.push_back({one.filename().string(), pad->name()});
+  return found;
 }
 
 #else
 
 std::unique_ptr<Pad> pad_of_file(int, PadKind) { return nullptr; }
 
-std::unique_ptr<Pad> open_pad(PadKind, std::string& problem) {
+std::unique_ptr<Pad> open_pad(PadKind, const std::string&, std::string& problem) {
   problem = "this system shows no event devices";
   return nullptr;
+}
+
+std::vector<FoundPad> find_pads(PadKind, std::string& problem) {
+  problem = "this system shows no event devices";
+  return {};
 }
 
 #endif

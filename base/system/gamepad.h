@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace sparsha::system {
 
@@ -14,10 +15,13 @@ struct PadState {
   bool connected = true;
   double left_x = 0.0, left_y = 0.0;  ///< of a gamepad's left stick, -1 to 1, right and up positive
   double right_trigger = 0.0;         ///< 0 to 1
+  double hat_x = 0.0, hat_y = 0.0;    ///< of the directional pad, -1, 0 or 1
   std::uint32_t buttons = 0;          ///< bit 0 south, 1 east, 2 west, 3 north; of a pen 0 and 1
   bool pen_near = false;              ///< a tablet sees its pen
   double pen_x = 0.0, pen_y = 0.0;    ///< 0 to 1 of the tablet, right and up positive
   double pressure = 0.0;              ///< 0 to 1
+  bool has_tilt = false;
+  double tilt_x_rad = 0.0, tilt_y_rad = 0.0;  ///< of the pen's far end, to the right and up the tablet
 };
 
 /// What a pad's events add up to. Type, code and value are those of Linux's input_event.
@@ -25,6 +29,8 @@ class PadReader {
  public:
   struct Range {
     int least = 0, most = 0;
+    int flat = 0;        ///< about the middle of a stick, which counts as the middle
+    int resolution = 0;  ///< of a tilt: units a radian; 0: its units are degrees
   };
   explicit PadReader(PadKind kind) noexcept : kind_(kind) {}
   void set_range(int axis, Range range) noexcept;
@@ -33,6 +39,9 @@ class PadReader {
 
  private:
   [[nodiscard]] double share(int axis, int value) const noexcept;
+  [[nodiscard]] double stick(int axis, int value) const noexcept;
+  [[nodiscard]] double tilt_rad(int axis, int value) const noexcept;
+  void take_pen(int axis, int value) noexcept;
 
   PadKind kind_;
   PadState state_;
@@ -52,7 +61,14 @@ class Pad {
 /// An open event device, which the pad closes; null where it is none of this kind, and stays open then. Linux.
 [[nodiscard]] std::unique_ptr<Pad> pad_of_file(int file, PadKind kind);
 
-/// The first that this user may open; null and why there is none.
-[[nodiscard]] std::unique_ptr<Pad> open_pad(PadKind kind, std::string& problem);
+/// The one of this node below /dev/input ("event7", "by-id/..."), or the first that this user may open where `node` is
+/// empty; null and why there is none.
+[[nodiscard]] std::unique_ptr<Pad> open_pad(PadKind kind, const std::string& node, std::string& problem);
+
+struct FoundPad {
+  std::string node, name;
+};
+/// All that this user may open, in the order of their nodes; none, and why.
+[[nodiscard]] std::vector<FoundPad> find_pads(PadKind kind, std::string& problem);
 
 }  // namespace sparsha::system

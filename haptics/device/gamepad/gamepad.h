@@ -1,6 +1,7 @@
 // Hands without force: a gamepad, whose shaking follows the force, and a tablet's pen. Not tried on hardware.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "base/system/gamepad.h"
@@ -9,10 +10,13 @@
 
 namespace sparsha::haptics {
 
-/// A simulated hand. Gamepad: the left stick moves it at up to 60 mm/s, the right trigger lowers it into the stone, and
-/// the motors shake when the stone is met and as rough as it is. Tablet: the pen's place is the hand's, its pressure
-/// the depth. A pad that is unplugged is so for the servo.
-[[nodiscard]] std::unique_ptr<Device> make_pad_device(std::unique_ptr<system::Pad> pad, system::PadKind kind);
+/// A simulated hand. Gamepad: the left stick moves it at up to 60 mm/s and the directional pad at 15, the right trigger
+/// lowers it into the stone, and the motors shake when the stone is met and as rough as it is. Tablet: the pen's place
+/// is the hand's, its pressure the depth, its tilt the orientation. A pad that is unplugged is so for the servo; then
+/// `reopen` is asked twice a second, on another thread, for one to go on with. `pad` may be null where there is a
+/// `reopen`: one that is still to come.
+[[nodiscard]] std::unique_ptr<Device> make_pad_device(std::unique_ptr<system::Pad> pad, system::PadKind kind,
+                                                      std::function<std::unique_ptr<system::Pad>()> reopen = nullptr);
 
 [[nodiscard]] DeviceKind gamepad_kind();
 [[nodiscard]] DeviceKind tablet_kind();

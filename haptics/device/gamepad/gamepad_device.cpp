@@ -1,12 +1,15 @@
 #include "haptics/device/gamepad/gamepad.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <string>
 #include <thread>
 #include <utility>
+
+#include <Eigen/Geometry>
 
 #include "base/error.h"
 #include "haptics/device/gamepad/vibration.h"
@@ -22,6 +25,9 @@ using system::PadState;
 constexpr HandParameters kHand{.stiffness_n_per_m = 150.0, .damping_n_s_per_m = 4.0, .max_force_n = 4.0};
 constexpr double kHover_m = 0.012, kDeepest_m = -0.020;
 constexpr double kSpeed_m_per_s = 0.06, kDeadZone = 0.12;
+constexpr double kHatSpeed_m_per_s = 0.015;
+constexpr double kTriggerDeadZone = 0.06;  // of a trigger that does not come back whole
+constexpr int kShakesBetweenTries = 25;
 constexpr double kReach = 0.48;  // of the workspace's width, from the middle
 constexpr std::chrono::milliseconds kShake{20};
 constexpr double kShakes_s = 0.060;  // without news the motors stop by themselves
@@ -32,10 +38,29 @@ double beyond_dead_zone(double stick) {
   return size <= kDeadZone ? 0.0 : std::copysign((size - kDeadZone) / (1.0 - kDeadZone), stick);
 }
 
+double beyond_trigger_dead_zone(double trigger) {
+  return std::max(0.0, trigger - kTriggerDeadZone) / (1.0 - kTriggerDeadZone);
+}
+
+/// The least turn that takes the upright pen to where it leans; its far end comes towards the person.
+std::array<double, 4> leaning(const PadState& state) {
+  const Eigen::Vector3d axis(std::tan(state.tilt_x_rad), std::tan(state.tilt_y_rad), 1.0);
+  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis);
+  return {turn.w(), turn.x(), turn.y(), turn.z()};
+}
+
+constexpr DeviceAdvice kPlugIn{"device_pad", true};
+
 class PadDevice final : public Device {
  public:
-  PadDevice(std::unique_ptr<system::Pad> pad, PadKind kind)
-      : pad_(std::move(pad)), kind_(kind), hand_(kHand, {0.0, 0.0, kHover_m}), shaker_([this] { shake(); }) {}
+  PadDevice(std::unique_ptr<system::Pad> pad, PadKind kind, std::function<std::unique_ptr<system::Pad>()> reopen)
+      : pad_(std::move(pad)),
+        reopen_(std::move(reopen)),
+        current_(pad_.get()),
+        lost_(pad_ == nullptr),
+        kind_(kind),
+        hand_(kHand, {0.0, 0.0, kHover_m}),
+        shaker_([this] { shake(); }) {}
   ~PadDevice() override {
     stopping_.store(true);
     shaker_.join();
@@ -48,14 +73,17 @@ class PadDevice final : public Device {
   }
 
   [[nodiscard]] DeviceSample read(double time_s, double) noexcept override {
-    pad_->read(state_);
+    if (current_ == nullptr) current_ = offered_.exchange(nullptr);
+    if (current_ != nullptr) current_->read(state_);
+    if (current_ == nullptr || !state_.connected) leave();
     DeviceSample sample = hand_.read(time_s, [this](const Eigen::Vector3d&, const Eigen::Vector3d&, double dt_s) {
       wish(dt_s);
       return wish_m_;
     });
     feel(time_s);
     sample.buttons = buttons();
-    sample.connected = state_.connected;
+    if (kind_ == PadKind::tablet && state_.pen_near && state_.has_tilt) sample.orientation = leaning(state_);
+    sample.connected = current_ != nullptr;
     return sample;
   }
 
@@ -68,8 +96,19 @@ class PadDevice final : public Device {
     strong_.store(0.0);
     weak_.store(0.0);
   }
+  [[nodiscard]] const DeviceAdvice* advice() const noexcept override {
+    return lost_.load(std::memory_order_relaxed) ? &kPlugIn : nullptr;
+  }
 
  private:
+  // From here on the pad is the other thread's. Nothing that was pressed stays so.
+  void leave() noexcept {
+    state_ = {};
+    if (current_ == nullptr) return;
+    current_ = nullptr;
+    lost_.store(true, std::memory_order_release);
+  }
+
   void wish(double dt_s) noexcept {
     const double reach_m = kReach * scene::kDeskWorkspace_m;
     double press = 0.0;
@@ -80,7 +119,9 @@ class PadDevice final : public Device {
     } else {
       wish_m_.x() += kSpeed_m_per_s * dt_s * beyond_dead_zone(state_.left_x);
       wish_m_.y() += kSpeed_m_per_s * dt_s * beyond_dead_zone(state_.left_y);
-      press = state_.right_trigger;
+      wish_m_.x() += kHatSpeed_m_per_s * dt_s * state_.hat_x;
+      wish_m_.y() += kHatSpeed_m_per_s * dt_s * state_.hat_y;
+      press = beyond_trigger_dead_zone(state_.right_trigger);
     }
     wish_m_.x() = std::clamp(wish_m_.x(), -reach_m, reach_m);
     wish_m_.y() = std::clamp(wish_m_.y(), -reach_m, reach_m);
@@ -104,7 +145,15 @@ class PadDevice final : public Device {
   // The system's call for it may wait, and is none of the servo's.
   void shake() {
     bool shakes = false;
+    int wait = 0;
     while (!stopping_.load()) {
+      if (lost_.load(std::memory_order_acquire)) {
+        shakes = false;
+        pad_.reset();
+        if (reopen_ && wait-- <= 0) take_another(wait);
+        std::this_thread::sleep_for(kShake);
+        continue;
+      }
       const double strong = strong_.load(), weak = weak_.load();
       const bool noticed = std::max(strong, weak) > kNoticed;
       if (noticed || shakes) pad_->rumble(noticed ? strong : 0.0, noticed ? weak : 0.0, kShakes_s);
@@ -114,7 +163,20 @@ class PadDevice final : public Device {
     if (shakes) pad_->rumble(0.0, 0.0, kShakes_s);
   }
 
-  std::unique_ptr<system::Pad> pad_;
+  void take_another(int& wait) {
+    wait = kShakesBetweenTries;
+    pad_ = reopen_();
+    if (!pad_) return;
+    wait = 0;
+    lost_.store(false);
+    offered_.store(pad_.get(), std::memory_order_release);
+  }
+
+  std::unique_ptr<system::Pad> pad_;  // shaker's, which alone opens and closes
+  std::function<std::unique_ptr<system::Pad>()> reopen_;
+  system::Pad* current_;  // the servo's to read; null while unplugged
+  std::atomic<system::Pad*> offered_{nullptr};
+  std::atomic<bool> lost_;
   PadKind kind_;
   FeelingHand hand_;
   PadState state_;
@@ -127,30 +189,40 @@ class PadDevice final : public Device {
   std::thread shaker_;
 };
 
+std::vector<FoundDevice> find(PadKind kind) {
+  std::string problem;
+  std::vector<FoundDevice> found;
+  for (const system::FoundPad& pad : system::find_pads(kind, problem))
+    found.push_back({pad.node + " (" + pad.name + ")", true, "", {}});
+  return found.empty() ? std::vector<FoundDevice>{{"", false, problem, {}}} : found;
+}
+
+/// The named one; where none is named, the first, and afterwards whichever is there.
+std::unique_ptr<Device> make(PadKind kind, const DeviceRequest& request) {
+  std::string problem;
+  auto pad = system::open_pad(kind, request.argument, problem);
+  if (!pad && !request.wait_for_device)
+    throw Error(ErrorKind::device, {}, problem, "one that Linux shows in /dev/input, and that this user may open");
+  return make_pad_device(std::move(pad), kind, [kind, node = request.argument] {
+    std::string why;
+    return system::open_pad(kind, node, why);
+  });
+}
+
 DeviceKind kind_of(const char* name, const char* what, PadKind kind) {
   return {name,
-          nullptr,
+          "[NODE]",
           what,
-          [kind](const DeviceRequest&) -> std::vector<FoundDevice> {
-            std::string problem;
-            const auto pad = system::open_pad(kind, problem);
-            return {{pad ? pad->name() : "", pad != nullptr, pad ? "" : problem, {}}};
-          },
-          [kind](const DeviceRequest&) -> std::unique_ptr<Device> {
-            std::string problem;
-            auto pad = system::open_pad(kind, problem);
-            if (!pad)
-              throw Error(ErrorKind::device, {}, problem,
-                          "one that Linux shows in /dev/input, and that this user may open");
-            return make_pad_device(std::move(pad), kind);
-          },
+          [kind](const DeviceRequest&) { return find(kind); },
+          [kind](const DeviceRequest& request) { return make(kind, request); },
           {}};
 }
 
 }  // namespace
 
-std::unique_ptr<Device> make_pad_device(std::unique_ptr<system::Pad> pad, PadKind kind) {
-  return std::make_unique<PadDevice>(std::move(pad), kind);
+std::unique_ptr<Device> make_pad_device(std::unique_ptr<system::Pad> pad, PadKind kind,
+                                        std::function<std::unique_ptr<system::Pad>()> reopen) {
+  return std::make_unique<PadDevice>(std::move(pad), kind, std::move(reopen));
 }
 
 DeviceKind gamepad_kind() {

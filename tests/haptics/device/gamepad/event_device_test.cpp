@@ -31,7 +31,8 @@ namespace {
 /// What the kernel would know of the device.
 struct EventDevice {
   int file = -1;
-  bool tablet = false, rumbles = true;
+  bool tablet = false, rumbles = true, south = false;
+  int trigger = 0;
   std::mutex mutex;
   std::vector<ff_effect> uploaded;
   std::vector<int> removed;
@@ -54,6 +55,11 @@ int answer(unsigned long request, void* argument) {
     set_bit(argument, size, device->tablet ? BTN_TOOL_PEN : BTN_SOUTH);
     return static_cast<int>(size);
   }
+  if (number == _IOC_NR(EVIOCGKEY(0))) {
+    std::memset(argument, 0, size);
+    if (device->south) set_bit(argument, size, BTN_SOUTH);
+    return static_cast<int>(size);
+  }
   if (number == _IOC_NR(EVIOCGBIT(EV_FF, 0))) {
     std::memset(argument, 0, size);
     if (device->rumbles) set_bit(argument, size, FF_RUMBLE);
@@ -64,6 +70,8 @@ int answer(unsigned long request, void* argument) {
     input_absinfo info{};
     info.maximum = axis == ABS_PRESSURE ? 8191 : axis == ABS_RZ ? 1023 : 32767;
     info.minimum = axis <= ABS_Y && !device->tablet ? -32768 : 0;
+    if (axis == ABS_GAS) info.maximum = 0;
+    info.value = axis == ABS_RZ ? device->trigger : 0;
     std::memcpy(argument, &info, sizeof info);
     return 0;
   }
@@ -189,6 +197,24 @@ TEST_F(EventPad, OneThatIsPulledOutIsNoticedAndOneOfAnotherKindOrWithoutMotorsIs
   pad->read(state);
   EXPECT_FALSE(state.connected);
   for (const int end : pipe) ::close(end);
+}
+
+TEST_F(EventPad, WhatIsHeldFromTheBeginningOrWasDroppedByTheKernelIsAskedFor) {
+  made_.south = true;
+  made_.trigger = 1023;
+  const auto pad = system::pad_of_file(made_.file, PadKind::gamepad);
+  PadState state;
+  pad->read(state);
+  EXPECT_EQ(state.buttons, 1U);
+  EXPECT_EQ(state.right_trigger, 1.0);
+  made_.south = false;
+  made_.trigger = 0;
+  pad->read(state);
+  EXPECT_EQ(state.buttons, 1U) << "nobody has told";
+  happen({{EV_SYN, SYN_DROPPED, 0}});
+  pad->read(state);
+  EXPECT_EQ(state.buttons, 0U);
+  EXPECT_EQ(state.right_trigger, 0.0);
 }
 
 TEST_F(EventPad, AGamepadOnTheServoShakesWhenTheStoneIsMet) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <memory>
@@ -45,6 +46,54 @@ TEST(PadReader, AGamepadsEventsAreSticksTriggersAndButtons) {
   for (const int code : {-1, 63, 64, 1 << 20}) reader.take(kAbsolute, code, 5);
   reader.take(77, kX, 0);
   EXPECT_EQ(reader.state().left_x, 1.0);
+}
+
+TEST(PadReader, AStickAboutItsMiddleIsInItAndTheDirectionalPadHasThreePlaces) {
+  PadReader reader(PadKind::gamepad);
+  reader.set_range(kX, {0, 255, 15, 0});
+  reader.set_range(kY, {0, 255, 15, 0});
+  for (const int value : {113, 127, 128, 142}) {
+    reader.take(kAbsolute, kX, value);
+    EXPECT_EQ(reader.state().left_x, 0.0) << value << " is within the 15 that the kernel tells";
+  }
+  reader.take(kAbsolute, kX, 143);
+  EXPECT_NEAR(reader.state().left_x, 31.0 / 255.0, 1e-12);
+  reader.take(kAbsolute, kY, 0);
+  EXPECT_EQ(reader.state().left_y, 1.0);
+  constexpr int kHatX = 16, kHatY = 17;
+  reader.take(kAbsolute, kHatX, 1);
+  reader.take(kAbsolute, kHatY, -1);
+  EXPECT_EQ(reader.state().hat_x, 1.0);
+  EXPECT_EQ(reader.state().hat_y, 1.0) << "up is up";
+  reader.take(kAbsolute, kHatX, 0);
+  EXPECT_EQ(reader.state().hat_x, 0.0);
+}
+
+TEST(PadReader, WhereThereIsAPedalTheRightStickIsNoTrigger) {
+  constexpr int kGas = 9;
+  PadReader reader(PadKind::gamepad);
+  reader.set_range(kRz, {0, 65535});
+  reader.set_range(kGas, {0, 1023});
+  reader.take(kAbsolute, kRz, 32768);
+  EXPECT_EQ(reader.state().right_trigger, 0.0);
+  reader.take(kAbsolute, kGas, 1023);
+  EXPECT_EQ(reader.state().right_trigger, 1.0);
+}
+
+TEST(PadReader, APensTiltIsAnAngleInUnitsOfTheKernelOrInDegrees) {
+  constexpr int kTiltX = 26, kTiltY = 27;
+  PadReader reader(PadKind::tablet);
+  reader.take(kAbsolute, kTiltX, 30);
+  EXPECT_FALSE(reader.state().has_tilt) << "a tablet that has no such axis";
+  reader.set_range(kTiltX, {-64, 63, 0, 57});
+  reader.set_range(kTiltY, {-60, 60, 0, 0});
+  reader.take(kAbsolute, kTiltX, 57);
+  EXPECT_TRUE(reader.state().has_tilt);
+  EXPECT_DOUBLE_EQ(reader.state().tilt_x_rad, 1.0);
+  reader.take(kAbsolute, kTiltY, 30);
+  EXPECT_NEAR(reader.state().tilt_y_rad, -std::acos(-1.0) / 6.0, 1e-12) << "the kernel's y is down";
+  reader.take(kAbsolute, kTiltY, 1'000'000);
+  EXPECT_NEAR(reader.state().tilt_y_rad, -std::acos(-1.0) / 3.0, 1e-12);
 }
 
 TEST(PadReader, AxesWithoutARangeAreNothing) {
@@ -98,7 +147,7 @@ TEST(Vibration, MeetingTheStoneShakesTheStrongMotorAndRoughnessTheWeak) {
 class HeldPad final : public system::Pad {
  public:
   struct Held {
-    std::atomic<double> trigger{0.0}, stick{0.0};
+    std::atomic<double> trigger{0.0}, stick{0.0}, tilt_x_rad{0.0}, tilt_y_rad{0.0};
     std::atomic<bool> connected{true};
     std::atomic<double> strongest{0.0}, last{0.0};
   };
@@ -111,6 +160,9 @@ class HeldPad final : public system::Pad {
     state.pen_x = 0.75;
     state.pen_y = 0.5;
     state.pressure = held_->trigger.load();
+    state.has_tilt = true;
+    state.tilt_x_rad = held_->tilt_x_rad.load();
+    state.tilt_y_rad = held_->tilt_y_rad.load();
     state.connected = held_->connected.load();
   }
   bool rumble(double strong, double weak, double) noexcept override {
@@ -142,6 +194,62 @@ TEST(Gamepad, TheTriggerPressesTheStickMovesAndTheMotorsTell) {
   ASSERT_TRUE(eventually([&] { return servo.unplugged(); }));
   EXPECT_EQ(state.read().commanded_force_n[2], 0.0);
   servo.stop();
+}
+
+TEST(Gamepad, OneThatIsPulledOutInContactIsZeroForceAndAnotherGoesOnFromTheAir) {
+  const auto first = std::make_shared<HeldPad::Held>(), second = std::make_shared<HeldPad::Held>();
+  std::atomic<bool> there{false};
+  const auto device = make_pad_device(std::make_unique<HeldPad>(first), PadKind::gamepad,
+                                      [&] { return there.load() ? std::make_unique<HeldPad>(second) : nullptr; });
+  Seqlock<State> state;
+  Servo servo(*device, patient(), window_on(sparsha::test::flat_scene()), state, {}, nullptr);
+  servo.start();
+  ASSERT_TRUE(eventually([&] { return (state.read().flags & kFlagArmed) != 0; }));
+  EXPECT_EQ(device->advice(), nullptr);
+  first->trigger.store(0.8);
+  ASSERT_TRUE(eventually([&] { return state.read().commanded_force_n[2] > 0.5; }));
+  second->trigger.store(0.8);  // held down already when it is plugged in
+  first->connected.store(false);
+  ASSERT_TRUE(eventually([&] { return servo.unplugged(); }));
+  EXPECT_EQ(state.read().commanded_force_n[2], 0.0);
+  ASSERT_TRUE(eventually([&] { return device->advice() != nullptr; }));
+  EXPECT_STREQ(device->advice()->phrase, "device_pad");
+  there.store(true);
+  ASSERT_TRUE(eventually([&] { return !servo.unplugged(); }));
+  second->trigger.store(0.0);
+  ASSERT_TRUE(eventually([&] { return (state.read().flags & kFlagArmed) != 0; }));
+  second->trigger.store(0.8);
+  ASSERT_TRUE(eventually([&] { return state.read().commanded_force_n[2] > 0.5; }));
+  EXPECT_EQ(device->advice(), nullptr);
+  EXPECT_TRUE(eventually([&] { return second->strongest.load() > 0.2; })) << "the motors of the new one";
+  servo.stop();
+}
+
+TEST(Gamepad, BeginsWithoutOneWhereOneMayCome) {
+  const auto held = std::make_shared<HeldPad::Held>();
+  const auto device = make_pad_device(nullptr, PadKind::gamepad, [&] { return std::make_unique<HeldPad>(held); });
+  int tick = 0;
+  EXPECT_TRUE(eventually([&] { return device->read(1e-3 * ++tick, 1e-3).connected; }));
+}
+
+TEST(Tablet, ThePensTiltIsTheOrientationOfTheStylus) {
+  const auto held = std::make_shared<HeldPad::Held>();
+  const auto device = make_pad_device(std::make_unique<HeldPad>(held), PadKind::tablet);
+  for (const auto& [x_rad, y_rad] : {std::pair(0.0, 0.0), std::pair(0.5, 0.0), std::pair(-0.3, 0.7)}) {
+    held->tilt_x_rad.store(x_rad);
+    held->tilt_y_rad.store(y_rad);
+    const auto q = device->read(0.0, 1e-3).orientation;
+    // Where the quaternion takes the stylus's axis, written out.
+    const double x = 2 * (q[1] * q[3] + q[0] * q[2]), y = 2 * (q[2] * q[3] - q[0] * q[1]);
+    const double z = 1 - 2 * (q[1] * q[1] + q[2] * q[2]);
+    EXPECT_NEAR(x / z, std::tan(x_rad), 1e-9);
+    EXPECT_NEAR(y / z, std::tan(y_rad), 1e-9);
+    EXPECT_GT(z, 0.0);
+  }
+  const auto pad = std::make_shared<HeldPad::Held>();
+  EXPECT_EQ(make_pad_device(std::make_unique<HeldPad>(pad), PadKind::gamepad)->read(0.0, 1e-3).orientation,
+            (std::array<double, 4>{}))
+      << "a gamepad has none";
 }
 
 TEST(Tablet, ThePenIsTheHandAndItsPressureTheDepth) {
