@@ -63,9 +63,6 @@ int list_devices(const CommonOptions& common) {
       json.push_back(list_json(kind, found));
       text += common.plain ? list_sentence(kind, found) : list_line(kind, found);
     }
-  json.push_back({{"name", "playback"}, {"available", true}, {"problem", ""}});
-  text += common.plain ? "A recorded run is played back as the device playback, a colon and its file.\n"
-                       : "playback    available: playback:FILE repeats a recorded run.csv\n";
   print(common.json ? json.dump(2) : text);
   return 0;
 }

@@ -11,6 +11,7 @@
 #include "haptics/device/pointer/kind.h"
 #include "haptics/device/simulated/simulated_device.h"
 #include "haptics/device/steered/kind.h"
+#include "haptics/replay/path_device.h"
 
 namespace sparsha::app {
 namespace {
@@ -26,6 +27,20 @@ haptics::DeviceKind simulated_kind() {
             return {{"", true, "", {}}};
           },
           [](const haptics::DeviceRequest&) { return haptics::make_simulated_device(kSeed, 0.0); },
+          {}};
+}
+
+// A recording's path of the hand; `explore` also repeats its windows and words.
+haptics::DeviceKind playback_kind() {
+  return {"playback",
+          "FILE",
+          "playback:FILE repeats a recorded run.csv",
+          [](const haptics::DeviceRequest&) -> std::vector<haptics::FoundDevice> {
+            return {{"", true, "", {}}};
+          },
+          [](const haptics::DeviceRequest& request) {
+            return haptics::make_path_device(std::make_shared<const haptics::Recording>(request.argument));
+          },
           {}};
 }
 
@@ -45,6 +60,7 @@ std::span<const haptics::DeviceKind> device_kinds() {
       haptics::gamepad_kind(),         //
       haptics::tablet_kind(),          //
       simulated_kind(),                //
+      playback_kind(),                 //
   };
   return kinds;
 }
@@ -52,7 +68,7 @@ std::span<const haptics::DeviceKind> device_kinds() {
 std::string device_names() {
   std::string names = "auto";
   for (const haptics::DeviceKind& kind : device_kinds()) names += " | " + spelled(kind);
-  return names + " | playback:FILE";
+  return names;
 }
 
 NamedKind kind_of(const std::string& name) {

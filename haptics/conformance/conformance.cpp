@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <limits>
 #include <thread>
 #include <utility>
 
@@ -27,7 +29,8 @@ struct Trial {
   Fault fault;
   const char* name;
   const char* what;
-  bool pauses;  // one call of the device takes long
+  bool pauses;            // one call of the device takes long
+  bool may_push = false;  // the hand is where it is said to be: the force goes on
 };
 
 constexpr Trial kTrials[] = {
@@ -41,6 +44,13 @@ constexpr Trial kTrials[] = {
     {Fault::jump, "jump", "the hand is 30 mm aside at once", false},
     {Fault::unplugged, "unplugged", "the device says that it is not connected", false},
     {Fault::stopped, "stopped", "the device says that its positions mean nothing: an emergency stop", false},
+    {Fault::loose, "loose", "it is not connected in every other reading", false},
+    {Fault::own_clock, "own clock", "its times run nine times too fast, and the hand is 30 mm aside at once", false},
+    {Fault::no_time, "no time", "its times are no numbers", false, true},
+    {Fault::lies, "lies", "delay, share of the force and force on the motors cannot be", false, true},
+    {Fault::stuck, "stuck", "one write() comes back 0.3 s later than the servo's patience", true},
+    {Fault::ended, "ended", "no more positions will come", false},
+    {Fault::trembles, "trembles", "each position is 1 mm from the one before", false, true},
 };
 
 HapticWindow plane() {
@@ -81,6 +91,13 @@ double stale_s(const DeviceInfo& info, const ConformanceOptions& options) {
   return stale_after_s(std::max(pace_s, info.paced ? 0.002 : 0.0));
 }
 
+/// What others see and a recording keeps.
+bool is_told(const State& state) {
+  return std::isfinite(state.time_s) && std::isfinite(state.given_share) &&
+         std::all_of(state.commanded_force_n.begin(), state.commanded_force_n.end(),
+                     [](double newtons) { return std::isfinite(newtons); });
+}
+
 ConformanceStep judge(const Trial& trial, const FaultyDevice& device, const Felt& felt, bool back, double most_s,
                       std::uint64_t most_reads) {
   ConformanceStep step{trial.name, Result::passed, "", ""};
@@ -104,7 +121,7 @@ ConformanceStep judge(const Trial& trial, const FaultyDevice& device, const Felt
 /// `most_s`, `most_reads`: for how long the force may go on.
 ConformanceStep try_one(const Trial& trial, Device& inner, const ConformanceOptions& options) {
   const DeviceInfo info = inner.info();
-  if (trial.fault == Fault::jump && !(info.fastest_m_per_s > 0.0))
+  if ((trial.fault == Fault::jump || trial.fault == Fault::own_clock) && !(info.fastest_m_per_s > 0.0))
     return {trial.name, Result::skipped, "any position of this device is believed (fastest_m_per_s is 0)", ""};
   if ((trial.fault == Fault::early || trial.fault == Fault::dead) && !info.paced)
     return {trial.name, Result::skipped, "the servo's clock is this device's pace", ""};
@@ -124,6 +141,7 @@ ConformanceStep try_one(const Trial& trial, Device& inner, const ConformanceOpti
   std::this_thread::sleep_for(
       std::chrono::duration<double>(kPause_s + (trial.pauses ? 2.0 * options.patience_s : 0.0)));
   const Felt felt = device.felt();
+  const bool told = is_told(state.read());
   device.inject(Fault::none);
   const bool back = touch(device);
   servo.stop();
@@ -138,7 +156,10 @@ ConformanceStep try_one(const Trial& trial, Device& inner, const ConformanceOpti
   }
   if (trial.pauses) most_reads = 2;  // the tick under way when it was asked for, and that which sees the pause
   if (trial.pauses) most_s = options.patience_s + 3.0 * period_s + kSlack_s + 0.5 * options.patience_s;
-  return judge(trial, device, felt, back, most_s, most_reads);
+  if (trial.may_push) most_reads = std::numeric_limits<std::uint64_t>::max();
+  ConformanceStep step = judge(trial, device, felt, back, most_s, most_reads);
+  if (told || step.result != Result::passed) return step;
+  return {step.name, Result::failed, step.found, "what is shown and recorded is no number"};
 }
 
 }  // namespace

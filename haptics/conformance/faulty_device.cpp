@@ -13,6 +13,8 @@ constexpr double kAir_m = 0.01;
 constexpr double kSpeed_m_per_s = 0.1;
 constexpr double kJump_m = 0.03;  // aside, at the same depth
 constexpr double kLongPause_s = 0.3;
+constexpr double kTooFast = 8.0;  // seconds that a clock of its own gains in one
+constexpr double kTremble_m = 0.0005;
 
 }  // namespace
 
@@ -44,7 +46,7 @@ void FaultyDevice::inject(Fault fault) noexcept {
 
 void FaultyDevice::pause_once() noexcept {
   const Fault fault = fault_.load();
-  if ((fault != Fault::late && fault != Fault::hangs) || paused_.exchange(true)) return;
+  if ((fault != Fault::late && fault != Fault::hangs && fault != Fault::stuck) || paused_.exchange(true)) return;
   const double pause_s = fault == Fault::late ? 1.5 * patience_s_ : patience_s_ + kLongPause_s;
   sleep_until_ns(now_ns() + static_cast<std::int64_t>(pause_s * 1e9));
 }
@@ -52,23 +54,35 @@ void FaultyDevice::pause_once() noexcept {
 void FaultyDevice::wait(double timeout_s) noexcept {
   const Fault fault = fault_.load();
   if (fault == Fault::early || fault == Fault::dead) return;
-  pause_once();
+  if (fault != Fault::stuck) pause_once();
   inner_.wait(timeout_s);
 }
 
 DeviceSample FaultyDevice::read(double time_s, double period_s) noexcept {
   const Fault fault = fault_.load();
   static_cast<void>(inner_.read(time_s, period_s));
-  if (!paced_) pause_once();
-  reads_.fetch_add(1);
+  if (!paced_ && fault != Fault::stuck) pause_once();
+  const std::uint64_t before = reads_.fetch_add(1);
   const double most_m = kSpeed_m_per_s * std::clamp(time_s - time_s_, 0.0, 0.01);
+  ahead_s_ = fault == Fault::own_clock ? ahead_s_ + kTooFast * std::max(0.0, time_s - time_s_) : 0.0;
   time_s_ = time_s;
   height_m_.store(height_m_ + std::clamp(wish_m_ - height_m_, -most_m, most_m));
   DeviceSample sample;
-  sample.position_m = {fault == Fault::jump ? kJump_m : 0.0, 0.0, height_m_};
-  sample.time_s = time_s;
-  sample.fresh = fault != Fault::silent && fault != Fault::dead;
-  sample.connected = fault != Fault::unplugged;
+  const bool aside = fault == Fault::jump || fault == Fault::own_clock;
+  sample.position_m = {aside ? kJump_m : 0.0, 0.0, height_m_};
+  if (fault == Fault::trembles) sample.position_m.z() += before % 2 == 0 ? kTremble_m : -kTremble_m;
+  sample.time_s = time_s + ahead_s_;
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (fault == Fault::no_time) sample.time_s = kNone;
+  if (fault == Fault::lies) {
+    sample.delay_s = before % 2 == 0 ? std::numeric_limits<double>::infinity() : kNone;
+    sample.applied_n.setConstant(kNone);
+    sample.tells_applied = true;
+    sample.orientation.fill(kNone);
+  }
+  sample.finished = fault == Fault::ended;
+  sample.fresh = fault != Fault::silent && fault != Fault::dead && fault != Fault::ended;
+  sample.connected = fault != Fault::unplugged && !(fault == Fault::loose && before % 2 == 0);
   sample.homed = fault != Fault::stopped;
   if (fault == Fault::not_a_number) sample.position_m.y() = std::numeric_limits<double>::quiet_NaN();
   if (fault == Fault::infinite) sample.position_m.z() = -std::numeric_limits<double>::infinity();
@@ -87,9 +101,14 @@ void FaultyDevice::note(double force_n) noexcept {
 
 void FaultyDevice::write(const Eigen::Vector3d& force_n) noexcept {
   const double size_n = force_n.norm();
-  note(size_n);
+  note(size_n);  // what has been taken is held while the call lasts
+  if (fault_.load() == Fault::stuck) pause_once();
   if (size_n != 0.0 && reads_.load() > 0) reads_with_force_.fetch_add(1);
   inner_.write(with_force_ ? force_n : Eigen::Vector3d::Zero());
+}
+
+double FaultyDevice::force_share() const noexcept {
+  return fault_.load() == Fault::lies ? std::numeric_limits<double>::quiet_NaN() : inner_.force_share();
 }
 
 void FaultyDevice::zero() noexcept {

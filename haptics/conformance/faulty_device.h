@@ -23,6 +23,13 @@ enum class Fault : std::uint8_t {
   jump,       ///< the hand is somewhere else at once
   unplugged,  ///< `connected` is false
   stopped,    ///< `homed` is false: an emergency stop, encoders that lost their place
+  loose,      ///< `connected` is false in every other reading: a plug that does not hold
+  own_clock,  ///< its times run nine times too fast, which would excuse that the hand is somewhere else at once
+  no_time,    ///< its times are no numbers
+  lies,       ///< delay, share of the force and force on the motors are none that can be
+  stuck,      ///< one write() comes back long after
+  ended,      ///< `finished` is true
+  trembles,   ///< each position is 1 mm from the one before
 };
 
 /// What the servo wrote, as it would have reached a hand.
@@ -45,6 +52,7 @@ class FaultyDevice final : public Device {
   void wait(double timeout_s) noexcept override;
   [[nodiscard]] DeviceSample read(double time_s, double period_s) noexcept override;
   void write(const Eigen::Vector3d& force_n) noexcept override;
+  [[nodiscard]] double force_share() const noexcept override;
   void zero() noexcept override;
 
   void move_to(double height_m) noexcept { wish_m_.store(height_m); }
@@ -65,6 +73,7 @@ class FaultyDevice final : public Device {
   bool paced_;
   double patience_s_;
   double time_s_ = 0.0;
+  double ahead_s_ = 0.0;  // of the clock of its own
   std::atomic<Fault> fault_{Fault::none};
   std::atomic<bool> paused_{false};  // the one pause has been
   std::atomic<double> wish_m_;

@@ -55,8 +55,8 @@ class Positions {
   void see(const DeviceSample& sample, double asked_s, double period_s, Watched& seen) {
     if (!sample.connected) ++seen.disconnected;
     if (sample.connected && !sample.homed) ++seen.unhomed;
-    if (!std::isfinite(sample.time_s) || sample.time_s < last_time_s_ || std::abs(sample.time_s - asked_s) > 0.1)
-      ++seen.bad_times;
+    const bool apart = !(info_.rate_hz > 0.0 && !info_.paced) && std::abs(sample.time_s - asked_s) > 0.1;
+    if (!sample.finished && (!std::isfinite(sample.time_s) || sample.time_s < last_time_s_ || apart)) ++seen.bad_times;
     if (std::isfinite(sample.time_s)) last_time_s_ = sample.time_s;
     if (!(sample.delay_s >= 0.0 && sample.delay_s < 0.1)) ++seen.bad_delays;
     if (!sample.position_m.allFinite()) {
@@ -152,14 +152,13 @@ ConformanceStep facts(const DeviceInfo& info) {
   check(info.rate_hz >= 0.0 && info.rate_hz < 1e6, fmt::format("a rate of {:.3g} Hz", info.rate_hz));
   check(info.fastest_m_per_s >= 0.0 && info.fastest_m_per_s < 1e3,
         fmt::format("a fastest hand of {:.3g} m/s", info.fastest_m_per_s));
-  return step(
-      "facts", wrong.empty(),
-      wrong.empty()
-          ? fmt::format("{}: {:.0f} mm, {:.1f} N, {}", info.name, 1e3 * info.workspace_width_m, limits.max_force_n,
-                        info.fastest_m_per_s > 0.0 ? fmt::format("no faster than {:.1f} m/s", info.fastest_m_per_s)
-                                                   : "any position is believed")
-          : wrong,
-      "the governor takes the safe end of what is absurd: no force, or none that grows");
+  const std::string fastest = info.fastest_m_per_s > 0.0
+                                  ? fmt::format("no faster than {:.1f} m/s", info.fastest_m_per_s)
+                                  : "any position is believed";
+  const std::string found = fmt::format("{}: {:.0f} mm, {:.1f} N, {}{}{}", info.name, 1e3 * info.workspace_width_m,
+                                        limits.max_force_n, fastest, info.warning.empty() ? "" : "; ", info.warning);
+  return step("facts", wrong.empty(), wrong.empty() ? found : wrong,
+              "the governor takes the safe end of what is absurd: no force, or none that grows");
 }
 
 ConformanceStep pace_of(const DeviceInfo& info, const Watched& seen, const ConformanceOptions& options) {

@@ -1,6 +1,7 @@
 #include "haptics/servo/pace.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sparsha::haptics {
 namespace {
@@ -27,6 +28,13 @@ std::int64_t Pace::admit(std::int64_t woke_ns) noexcept {
   const std::int64_t begins_ns = std::max(woke_ns, due_ns_ - burst_ns_);
   due_ns_ = std::max(due_ns_, begins_ns) + least_ns_;
   return begins_ns;
+}
+
+void keep_to_what_can_be(DeviceSample& sample, double time_s, bool own_clock) noexcept {
+  if (!std::isfinite(sample.time_s) || (!own_clock && sample.time_s > time_s)) sample.time_s = time_s;
+  if (!(sample.delay_s >= 0.0 && sample.delay_s < kLongAgo_s)) sample.delay_s = 0.0;
+  sample.force_share = sample.force_share >= 0.0 ? std::min(sample.force_share, 1.0) : 0.0;
+  sample.tells_applied = sample.tells_applied && sample.applied_n.allFinite();
 }
 
 bool HandSpeed::jumps(const DeviceSample& sample, double period_s) noexcept {

@@ -50,4 +50,8 @@ class HandSpeed {
   Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();
 };
 
+/// What cannot be is not believed: nothing is measured after it was read at `time_s`, which then is its time (not where
+/// a recording's times are given); a share is none that is not from 0 to 1; of what is no number nothing is told.
+void keep_to_what_can_be(DeviceSample& sample, double time_s, bool own_clock) noexcept;
+
 }  // namespace sparsha::haptics

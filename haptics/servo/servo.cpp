@@ -34,6 +34,7 @@ Servo::Servo(Device& device, const ServoOptions& options, HapticWindow window, S
       patience_ns_(std::llround(1e9 * options.renderer.longest_gap_s)),
       most_force_n_(usable(device.info().limits).max_force_n),
       planned_time_(device.info().planned_time),
+      own_clock_(device.info().rate_hz > 0.0 && !device.info().paced),
       pace_(period_ns_),
       hand_speed_(device.info().fastest_m_per_s),
       renderer_(device.info(), options.renderer, std::move(window)),
@@ -116,6 +117,7 @@ void Servo::tick(std::int64_t late_ns, double time_s, bool late_wake) noexcept {
   take_commands();
   DeviceSample sample = device_.read(time_s, period_s_);
   sample.force_share = device_.force_share();
+  keep_to_what_can_be(sample, time_s, own_clock_);
   const std::int64_t in_hand_ns = options_.clock.now_ns();
   if (sample.finished) finished_.store(true, std::memory_order_release);
   if (sample.finished && !sample.fresh) {  // nothing to render any more
@@ -135,7 +137,7 @@ void Servo::tick(std::int64_t late_ns, double time_s, bool late_wake) noexcept {
   if (is_late(decided_ns) || watchdog_.tripped()) renderer_.fail();
   State& state = renderer_.state();
   deliver(state.commanded_force_n);
-  state.given_share *= device_.force_share();
+  state.given_share *= sample.force_share;
   // The pause may have come between the decision and the writing: then an old force has just gone out.
   const bool late_force = is_late(options_.clock.now_ns());
   if (late_force && !late_hand) {

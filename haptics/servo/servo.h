@@ -112,6 +112,7 @@ class Servo {
   std::int64_t patience_ns_;
   double most_force_n_;          // of the device
   bool planned_time_;            // the device's time is the plan's
+  bool own_clock_;               // or that of a recording, which is played at its own rate
   std::int64_t decided_ns_ = 0;  // when the last force was decided
   bool has_decided_ = false;
   bool tripped_ = false;  // the watchdog has, when this tick began

@@ -50,6 +50,7 @@ TEST(Devices, OneThatIsNotThereIsADeviceError) {
       EXPECT_EQ(error.kind(), ErrorKind::device) << name;
     }
   }
+  EXPECT_THROW(static_cast<void>(make_device("playback:no-such-run.csv", {})), Error);
   EXPECT_NE(make_device("simulated", {}), nullptr);
 }
 

@@ -2,7 +2,9 @@
 // are tried beside their emulators (tests/haptics/device).
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <string>
@@ -14,6 +16,8 @@
 #include "haptics/device/pointer/pointer_device.h"
 #include "haptics/device/simulated/simulated_device.h"
 #include "haptics/device/steered/steered_device.h"
+#include "haptics/replay/path_device.h"
+#include "tests/support/test_folder.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -30,6 +34,17 @@ struct OwnDevice {
   const char* name;
   std::function<std::unique_ptr<Device>()> make;
 };
+
+/// Ten seconds of a hand that goes round.
+std::unique_ptr<Device> played() {
+  const sparsha::test::TestFolder folder;
+  std::ofstream run(folder / "run.csv");
+  run << "t_s,device_x_m,device_y_m,device_z_m\n";
+  for (int row = 0; row < 10'000; ++row)
+    run << 1e-3 * row << ',' << 0.01 * std::sin(0.01 * row) << ',' << 0.01 * std::cos(0.01 * row) << ",0.01\n";
+  run.close();
+  return make_path_device(std::make_shared<const Recording>(folder / "run.csv"));
+}
 
 class OwnDevices : public testing::TestWithParam<OwnDevice> {};
 
@@ -52,7 +67,8 @@ INSTANTIATE_TEST_SUITE_P(
         OwnDevice{"pointer", [] { return make_pointer_device(std::make_shared<Seqlock<PointerSample>>()); }},
         OwnDevice{"keys", [] { return make_steered_device(std::make_shared<Seqlock<SteeringSample>>()); }},
         OwnDevice{"gamepad", [] { return make_pad_device(std::make_unique<RestingPad>(), system::PadKind::gamepad); }},
-        OwnDevice{"tablet", [] { return make_pad_device(std::make_unique<RestingPad>(), system::PadKind::tablet); }}),
+        OwnDevice{"tablet", [] { return make_pad_device(std::make_unique<RestingPad>(), system::PadKind::tablet); }},
+        OwnDevice{"playback", [] { return played(); }}),
     [](const testing::TestParamInfo<OwnDevice>& one) { return std::string(one.param.name); });
 
 }  // namespace

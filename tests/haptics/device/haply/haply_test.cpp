@@ -323,8 +323,10 @@ TEST(Haply, ItConforms) {
   ConformanceOptions options;
   options.watch_s = 0.5;
   options.patience_s = 0.3;
-  for (const ConformanceStep& step : watch_device(device, options))
+  const auto watched = watch_device(device, options);
+  for (const ConformanceStep& step : watched)
     EXPECT_EQ(step.result, ConformanceStep::Result::passed) << step.name << ": " << step.found;
+  EXPECT_THAT(watched.front().found, HasSubstr("5 N and 0.1 m are taken"));
   options.faults = {Fault::stopped};
   for (const ConformanceStep& step : try_faults(*device, options))
     EXPECT_EQ(step.result, ConformanceStep::Result::passed) << step.name << ": " << step.found << step.to_a_hand;
