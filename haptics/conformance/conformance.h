@@ -37,8 +37,8 @@ struct ConformanceReport {
 
 /// Watches the device under a servo's calls with zero force: what info() says, when wait() returns, which positions
 /// come how often, how long each call takes. Then a servo with the device's timing and a hand in software touches a
-/// plane, and each fault is put between them. About ten seconds. A call that does not return is given up: the device
-/// then stays in the hands of a thread that never ends.
+/// plane, and each fault is put between them. About fifteen seconds. A call that does not return is given up: the
+/// device then stays in the hands of a thread that never ends.
 [[nodiscard]] ConformanceReport check_conformance(const std::shared_ptr<Device>& device,
                                                   const ConformanceOptions& options = {});
 
