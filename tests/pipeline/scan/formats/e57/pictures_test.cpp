@@ -1,6 +1,9 @@
 // E57: colours of points that have none, from the pictures of their station.
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -96,6 +99,30 @@ TEST(E57Pictures, PinholeAndSphericalOnesColourPointsThatHaveNone) {
   // Of another scan, and from too far away.
   EXPECT_TRUE(with(sphere, image_xml("sphericalRepresentation", picture.size(), eighths, "{b}", "1")).rgba.empty());
   EXPECT_TRUE(with(sphere, image_xml("sphericalRepresentation", picture.size(), eighths, "{a}", "1.6")).rgba.empty());
+}
+
+TEST(E57Pictures, AWorldWithTheColoursOfItsDirectionsGetsThemBack) {
+  const ScanFolder folder;
+  const std::string name = folder.write("two.txt", "").replace_extension().string();
+  const std::string command = std::string(SPARSHA_PYTHON) + " \"" + SPARSHA_TWO_STATIONS + "\" \"" + name + "\"";
+  ASSERT_EQ(std::system(command.c_str()), 0) << command;
+  const RawScan scan = read_scan(name + ".e57");
+  EXPECT_THAT(scan.warnings, ::testing::IsEmpty());
+  std::ifstream truth(name + ".csv");
+  std::size_t number = 0, coloured = 0;
+  for (std::string line; std::getline(truth, line); ++number) {
+    double x = 0, y = 0, z = 0, seen = 0, r = 0, g = 0, b = 0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf", &x, &y, &z, &seen, &r, &g, &b), 7);
+    ASSERT_LT(number, scan.points.size());
+    ASSERT_LT((scan.points[number] - Eigen::Vector3d(x, y, z)).norm(), 1e-12) << "the order of the file";
+    const auto byte = [](double value) { return static_cast<std::uint32_t>(value); };
+    EXPECT_EQ(scan.rgba[number], seen > 0.5 ? pack_rgba(byte(r), byte(g), byte(b)) : kNoColour) << line;
+    coloured += seen > 0.5 ? 1 : 0;
+  }
+  EXPECT_EQ(number, scan.points.size());
+  EXPECT_EQ(number, 400U);
+  EXPECT_GT(coloured, 225U) << "all of the panorama, some of the camera";
+  EXPECT_LT(coloured, 275U);
 }
 
 TEST(E57Pictures, DamageIsAWarningAndThePointsAreRead) {
