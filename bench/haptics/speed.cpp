@@ -18,6 +18,7 @@
 #include "bench/haptics/edges.h"
 #include "bench/haptics/figures.h"
 #include "bench/haptics/loops.h"
+#include "bench/haptics/objects.h"
 #include "bench/haptics/plot.h"
 #include "bench/haptics/scanned.h"
 #include "bench/haptics/scenes.h"
@@ -209,7 +210,7 @@ bool write_speed(bool quick, const std::filesystem::path& out) {
   return table.good() && write_plot(out / "haptics_speed.svg", table.points());
 }
 
-constexpr std::array<const char*, 8> kParts{"speed",     "figures", "scanned", "drag",
+constexpr std::array<const char*, 9> kParts{"speed",     "objects", "figures", "scanned", "drag",
                                             "stability", "edges",   "loops",   "softened"};
 
 bool run(bool quick, const std::string& only, const std::filesystem::path& out,
@@ -218,8 +219,9 @@ bool run(bool quick, const std::string& only, const std::filesystem::path& out,
   const auto asked = [&](const char* part) { return only.empty() || only == part; };
   // The quick mode leaves out what takes longest; --only has it.
   const auto slow = [&](const char* part) { return only == part || (only.empty() && !quick); };
-  return (!asked("speed") || write_speed(quick, out)) && (!asked("figures") || write_figures(out)) &&
-         (!asked("scanned") || write_scanned(out, quick)) && (!slow("drag") || write_drag(out)) &&
+  return (!asked("speed") || write_speed(quick, out)) && (!asked("objects") || write_objects(out, quick)) &&
+         (!asked("figures") || write_figures(out)) && (!asked("scanned") || write_scanned(out, quick)) &&
+         (!slow("drag") || write_drag(out)) &&
          (!slow("stability") || (write_stability(out, quick) && write_service_stability(out, quick))) &&
          (!slow("edges") || write_edges(scenes, quick ? 10 : 40)) &&
          (!slow("loops") || write_loops(scenes, quick ? 600 : 5000)) && (!slow("softened") || write_softened());
@@ -227,7 +229,8 @@ bool run(bool quick, const std::string& only, const std::filesystem::path& out,
 
 int usage() {
   std::fputs(
-      "usage: bench_haptics [--mode quick|full] [--only speed|figures|scanned|drag|stability|edges|loops|softened]\n"
+      "usage: bench_haptics [--mode quick|full] [--only "
+      "speed|objects|figures|scanned|drag|stability|edges|loops|softened]\n"
       "                     [--out DIR] [--scene FOLDER]...   of edges and loops\n",
       stderr);
   return 2;

@@ -10,6 +10,8 @@ namespace sparsha::bench {
 [[nodiscard]] std::string findings_html(const std::filesystem::path& folder);
 /// Friction and texture.
 [[nodiscard]] std::string effects_html(const std::filesystem::path& folder);
+/// Touch of whole objects.
+[[nodiscard]] std::string objects_html(const std::filesystem::path& folder);
 /// Rasters by density, noise and spacing; closed objects, filters, registration, normals, accuracy, transfer, builds.
 [[nodiscard]] std::string pipeline_html(const std::filesystem::path& folder);
 /// Time of each stage against points and nodes, with its exponent.

@@ -51,8 +51,9 @@ bool write_page(const std::filesystem::path& folder, const std::string& mode, do
       "no "
       "other file; the CSV files beside it hold every figure.</p>\n" +
       findings_html(folder);
-  const std::string body = file_text(folder / "race.part.html") + effects_html(folder) + pipeline_html(folder) +
-                           scaling_html(folder) + paper_html(folder) + real_time_html(folder) + files_html(folder);
+  const std::string body = file_text(folder / "race.part.html") + effects_html(folder) + objects_html(folder) +
+                           pipeline_html(folder) + scaling_html(folder) + paper_html(folder) + real_time_html(folder) +
+                           files_html(folder);
   std::ofstream page(folder / "report.html");
   page << html_page("Sparsha: speed against error", introduction, body);
   return static_cast<bool>(page.flush());
