@@ -35,6 +35,11 @@ std::vector<Line> all_lines(std::size_t rows) {
 }
 
 const char* mouse_text(const Frame& frame) {
+  if ((frame.state.flags & haptics::kFlagAround) != 0)
+    return !frame.has_pointer || frame.looks
+               ? "Mouse: drag turns the picture, Ctrl drag the object in the hand, middle drag shifts, wheel zooms"
+               : "Mouse: the hand; left button presses, Ctrl drag turns the object, right drag the picture, wheel "
+                 "zooms";
   if (!frame.has_pointer || frame.looks)
     return "Mouse: drag turns, middle drag shifts, wheel zooms, double click centres, Ctrl Shift drag moves the light";
   return "Mouse: the hand; left button presses, wheel then deeper; right drag turns, middle drag shifts, wheel zooms";

@@ -56,6 +56,8 @@ ObjectMesh finest(const std::vector<DrawnSheet>& sheets) {
           vertex[k] = static_cast<std::uint32_t>(mesh.place.size());
           mesh.place.push_back(met ? sheet.moved[moved] : Eigen::Vector3f(sheet.place(i, j).cast<float>()));
           mesh.normal.emplace_back(sheet.normal(k).cast<float>());
+          if (!sheet.texture_m.empty()) mesh.texture_m.push_back(sheet.texture_m[k]);
+          if (!sheet.bend_per_m.empty()) mesh.bend_per_m.push_back(sheet.bend_per_m[k]);
         }
         moved += met ? 1 : 0;
       }

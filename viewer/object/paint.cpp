@@ -5,10 +5,15 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "base/numbers/statistics.h"
+#include "scene/material/friction_law.h"
+#include "scene/scene.h"
 
 namespace sparsha::viewer {
 namespace {
@@ -62,34 +67,97 @@ std::optional<std::size_t> front_node(const ReliefData& front, const Eigen::Vect
   return k;
 }
 
+std::vector<double> textures(const ObjectView& object, Legend& legend) {
+  std::vector<double> values(object.finest().texture_m.begin(), object.finest().texture_m.end()), known;
+  for (double& value : values) value *= 1e3;
+  std::ranges::copy_if(values, std::back_inserter(known), [](double value) { return std::isfinite(value); });
+  legend.unit = "mm";
+  legend.map = ColourMap::diverging;
+  legend.high = std::max(known.empty() ? 0.0 : usual(known), 1e-6);
+  legend.low = -legend.high;
+  return values;
+}
+
+/// As a hand feels it that has the whole object in the workspace.
+std::vector<double> frictions(const ObjectView& object, const ObjectSource& source, Legend& legend) {
+  const ObjectMesh& mesh = object.finest();
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& place : mesh.place) box.extend(place);
+  const double size_m = object.spacing_m() * std::max(1.0, static_cast<double>(box.sizes().maxCoeff()));
+  const scene::FrictionLaw law(source.description, source.workspace_m / size_m, source.workspace_m);
+  std::vector<double> values(mesh.place.size());
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    const float bend = mesh.bend_per_m.empty() ? std::numeric_limits<float>::quiet_NaN() : mesh.bend_per_m[v];
+    values[v] = static_cast<double>(law.at(object.place_m(v), static_cast<double>(bend)).mu_dynamic);
+  }
+  legend.unit = "\xC2\xB5";
+  legend.high = std::max(source.description.config.friction->mu_max, 1e-6);
+  return values;
+}
+
+bool is_own(const ObjectView& object, const ObjectSource& source, ColourMode mode) {
+  switch (mode) {
+    case ColourMode::height:
+    case ColourMode::curvature:
+    case ColourMode::sky_view:
+      return true;
+    case ColourMode::texture:
+      return !object.finest().texture_m.empty();
+    case ColourMode::friction:
+      return source.description.config.friction.has_value();
+    default:
+      return false;
+  }
+}
+
+std::vector<double> values_of(const ObjectView& object, const ObjectSource& source, ColourMode mode, Legend& legend) {
+  switch (mode) {
+    case ColourMode::height:
+      return heights(object, legend);
+    case ColourMode::curvature:
+      return curvatures(object, legend);
+    case ColourMode::texture:
+      return textures(object, legend);
+    case ColourMode::friction:
+      return frictions(object, source, legend);
+    default:
+      return sky_seen(object, legend);
+  }
+}
+
+/// The colours of the front where the object is that front.
+Paint front_colours(const ObjectView& object, const ObjectSource& source) {
+  if (source.front_paint.rgba.empty()) return {};
+  Paint paint;
+  const std::size_t count = object.finest().place.size();
+  paint.rgba.assign(4 * count, 0);
+  paint.legend = source.front_paint.legend;
+  paint.legend.title += " (front)";
+  const double near_m = 1.5 * std::max(object.spacing_m(), source.front.lattice.spacing_m);
+  for (std::size_t v = 0; v < count; ++v) {
+    if (object.finest().normal[v].z() <= 0.0F) continue;
+    const auto node = front_node(source.front, object.place_m(v), near_m);
+    if (!node) continue;
+    const auto from = source.front_paint.rgba.begin() + static_cast<std::ptrdiff_t>(4 * *node);
+    std::copy(from, from + 4, paint.rgba.begin() + static_cast<std::ptrdiff_t>(4 * v));
+  }
+  return paint;
+}
+
 }  // namespace
 
-Paint paint_object(const ObjectView& object, const ReliefData& front, const Paint& front_paint, ColourMode mode) {
+Paint paint_object(const ObjectView& object, const ObjectSource& source, ColourMode mode) {
   if (mode == ColourMode::relief) return {};
-  const std::size_t count = object.finest().place.size();
+  if (!is_own(object, source, mode)) return front_colours(object, source);
   Paint paint;
+  const std::size_t count = object.finest().place.size();
   paint.rgba.assign(4 * count, 0);
-  if (mode != ColourMode::height && mode != ColourMode::curvature && mode != ColourMode::sky_view) {
-    if (front_paint.rgba.empty()) return {};
-    paint.legend = front_paint.legend;
-    paint.legend.title += " (front)";
-    const double near_m = 1.5 * std::max(object.spacing_m(), front.lattice.spacing_m);
-    for (std::size_t v = 0; v < count; ++v) {
-      if (object.finest().normal[v].z() <= 0.0F) continue;
-      const auto node = front_node(front, object.place_m(v), near_m);
-      if (!node) continue;
-      const auto from = front_paint.rgba.begin() + static_cast<std::ptrdiff_t>(4 * *node);
-      std::copy(from, from + 4, paint.rgba.begin() + static_cast<std::ptrdiff_t>(4 * v));
-    }
-    return paint;
-  }
   Legend& legend = paint.legend;
   legend.title = name_of(mode);
   legend.scale = true;
-  const std::vector<double> values = mode == ColourMode::height      ? heights(object, legend)
-                                     : mode == ColourMode::curvature ? curvatures(object, legend)
-                                                                     : sky_seen(object, legend);
+  const std::vector<double> values = values_of(object, source, mode, legend);
   for (std::size_t v = 0; v < count; ++v) {
+    if (!std::isfinite(values[v])) continue;
     const auto colour = colour_of(legend.map, (values[v] - legend.low) / (legend.high - legend.low));
     std::copy(colour.begin(), colour.end(), paint.rgba.begin() + static_cast<std::ptrdiff_t>(4 * v));
     paint.rgba[4 * v + 3] = 255;

@@ -1,15 +1,23 @@
 // Colour modes of a whole object.
 #pragma once
 
+#include "scene/scene_fwd.h"
 #include "viewer/object/view.h"
 #include "viewer/surface/paint.h"
 
 namespace sparsha::viewer {
 
-/// A colour for each vertex of the finest level. Height, curvature and sky light are the object's own; of all other
-/// modes the front view has the values: `front_paint` of `front`, which goes where the object is that front, and
-/// elsewhere there is no colour.
-[[nodiscard]] Paint paint_object(const ObjectView& object, const ReliefData& front, const Paint& front_paint,
-                                 ColourMode mode);
+/// What an object's colours are of. `front_paint` of `front`, in the same mode.
+struct ObjectSource {
+  const scene::SceneDescription& description;
+  double workspace_m;
+  const ReliefData& front;
+  const Paint& front_paint;
+};
+
+/// A colour for each vertex of the finest level. Height, curvature and sky light are the object's own, and so are
+/// texture and friction where the charts have the texture; of all other modes the front view has the values, which go
+/// where the object is that front, and elsewhere there is no colour.
+[[nodiscard]] Paint paint_object(const ObjectView& object, const ObjectSource& source, ColourMode mode);
 
 }  // namespace sparsha::viewer

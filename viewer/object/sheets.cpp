@@ -130,6 +130,8 @@ class Drawing {
     sheet.height.assign(count, kNone);
     sheet.slope_u.assign(count, kNone);
     sheet.slope_v.assign(count, kNone);
+    if (!source.texture_m.empty()) sheet.texture_m.assign(count, kNone);
+    if (!source.curvature_per_m.empty()) sheet.bend_per_m.assign(count, kNone);
     const double scale = 1.0 / spacing_m;
     for (int j = 0; j < source.ny; ++j)
       for (int i = 0; i < source.nx; ++i) {
@@ -140,9 +142,25 @@ class Drawing {
         sheet.height[to] = static_cast<float>(scale * static_cast<double>(source.height_m[from]));
         sheet.slope_u[to] = source.slope_u[from];
         sheet.slope_v[to] = source.slope_v[from];
+        if (!source.texture_m.empty()) sheet.texture_m[to] = source.texture_m[from];
+        if (!source.curvature_per_m.empty()) sheet.bend_per_m[to] = source.curvature_per_m[from];
       }
     for (int ring = 0; ring < kRings; ++ring) add_ring(sheet);
     return sheet;
+  }
+
+  /// Of the values of the eight nodes about a node that have one.
+  static float mean_about(const DrawnSheet& sheet, const std::vector<float>& values, std::size_t node) {
+    const auto nx = static_cast<std::ptrdiff_t>(sheet.nx);
+    float sum = 0.0F, count = 0.0F;
+    for (std::ptrdiff_t b = -1; b <= 1; ++b)
+      for (std::ptrdiff_t a = -1; a <= 1; ++a) {
+        const float value = values[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(node) + b * nx + a)];
+        if (!std::isfinite(value)) continue;
+        sum += value;
+        count += 1.0F;
+      }
+    return count > 0.0F ? sum / count : kNone;
   }
 
   /// One more node on every border, as the nodes beside it predict; none where they disagree.
@@ -175,6 +193,8 @@ class Drawing {
         if (weight > 0.0F && high - low < kAgree) added.push_back({k, height / weight, su / weight, sv / weight});
       }
     for (const New& n : added) {
+      for (std::vector<float>* values : {&sheet.texture_m, &sheet.bend_per_m})
+        if (!values->empty()) (*values)[n.node] = mean_about(sheet, *values, n.node);
       sheet.node[n.node] = Node::continued;
       sheet.height[n.node] = n.height;
       sheet.slope_u[n.node] = n.slope_u;

@@ -30,6 +30,8 @@ struct DrawnSheet {
   std::vector<Node> node;
   std::vector<float> height;            ///< of measured nodes and of all that a continuation reaches; else NaN
   std::vector<float> slope_u, slope_v;  ///< likewise
+  std::vector<float> texture_m;         ///< likewise; empty where the charts have none, as the next
+  std::vector<float> bend_per_m;        ///< curvature of the texture; NaN also where nothing tells it
   std::vector<std::uint8_t> cell;       ///< 1: measured; 2: measured and drawn; 3: continued and drawn
   std::vector<Eigen::Vector3f> moved;   ///< object frame: places of `met` nodes, in the order of their index
 

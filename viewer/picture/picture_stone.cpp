@@ -39,7 +39,7 @@ void Picture::paint_whole() {
   whole_->set_paint(paint);
   legend_ = paint.legend;
   if (object_) {
-    const Paint own = paint_object(*object_, whole_->data(), paint, colour_);
+    const Paint own = paint_object(*object_, {description, workspace_m_, whole_->data(), paint}, colour_);
     object_->set_paint(own);
     legend_ = own.legend;
     ++version_;

@@ -20,6 +20,7 @@
 #include "tests/support/clouds.h"
 #include "tests/support/scenes.h"
 #include "tests/viewer/studio.h"
+#include "viewer/object/paint.h"
 #include "viewer/object/view.h"
 
 namespace sparsha::viewer::test {
@@ -380,6 +381,52 @@ TEST(WholePicture, HasColoursOfItsOwnAndStereo) {
   }
   EXPECT_NEAR(studio.picture().legend().high, 90.0, 90.0);
   EXPECT_TRUE(studio.gl_errors().empty()) << studio.gl_errors().front();
+}
+
+/// Texture and friction of every vertex, on all sides: those of the nodes of the charts that were set so.
+TEST(WholePicture, TextureAndFrictionAreShownOnAllSides) {
+  const ObjectPtr torus = sparsha::test::make_torus();
+  scene::Charts charts = charts_of(*torus, 5'000, 0.0);
+  for (scene::Sheet& sheet : charts.sheets) {
+    sheet.texture_m.assign(sheet.count(), std::numeric_limits<float>::quiet_NaN());
+    sheet.curvature_per_m = sheet.texture_m;
+    for (int j = 0; j < sheet.ny; ++j)
+      for (int i = 0; i < sheet.nx; ++i) {
+        const std::size_t node = sheet.index(i, j);
+        if (!sheet.measured(node)) continue;
+        const bool rough = charts.place_m(sheet, i, j).x() + charts.origin_m.x() > 0.0;
+        sheet.texture_m[node] = rough ? 0.001F : -0.001F;
+        sheet.curvature_per_m[node] = rough ? 100.0F : 0.0F;
+      }
+  }
+  Exhibit exhibit(charts);  // with the context that the view needs
+  const scene::ScenePointer scene =
+      sparsha::test::scene_of([](double, double) { return 0.0; }, sparsha::test::SceneOptions{},
+                              [&](scene::SceneDescription& description) {
+                                description.charts = std::make_shared<const scene::Charts>(charts);
+                                description.config.friction.emplace();
+                                description.friction_c_m = 0.005;
+                              });
+  const Paint nothing;
+  const ReliefData front;
+  for (const ColourMode mode : {ColourMode::texture, ColourMode::friction}) {
+    const Paint paint = paint_object(exhibit.view(), {scene->description(), 0.1, front, nothing}, mode);
+    const std::size_t count = exhibit.view().finest().place.size();
+    ASSERT_EQ(paint.rgba.size(), 4 * count);
+    std::array<std::size_t, 2> behind{};  // smooth, rough
+    for (std::size_t v = 0; v < count; ++v) {
+      ASSERT_EQ(paint.rgba[4 * v + 3], 255) << "a vertex without colour";
+      const double x = exhibit.view().place_m(v).x();
+      if (std::abs(x) < 4.0 * exhibit.spacing_m()) continue;
+      const double value = mode == ColourMode::texture ? (x > 0.0 ? 1.0 : -1.0) : (x > 0.0 ? 0.7 : 0.2);
+      const auto want =
+          colour_of(paint.legend.map, (value - paint.legend.low) / (paint.legend.high - paint.legend.low));
+      for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(paint.rgba[4 * v + c], want[c], 1) << x;
+      if (exhibit.view().finest().normal[v].z() < 0.0F) ++behind[x > 0.0 ? 1 : 0];
+    }
+    EXPECT_GT(std::min(behind[0], behind[1]), 300U);
+    EXPECT_EQ(paint.legend.title.find("front"), std::string::npos);
+  }
 }
 
 TEST(WholePicture, KeysAndButtonsTurnTheObjectInTheHand) {
