@@ -1,5 +1,5 @@
-"""Ctrl-C from another thread ends reading, building, filtering and checking early, and leaves no file behind. Early is meant in
-processor time of this process, against that of the same work done to its end."""
+"""Ctrl-C from another thread ends reading, building, filtering, checking and registering early, and leaves no
+file behind. Early is meant in processor time of this process, against that of the same work done to its end."""
 import os
 import pathlib
 import signal
@@ -100,6 +100,11 @@ class CtrlC(unittest.TestCase):
     def test_a_check_ends(self):
         told = self.assert_ends_early(lambda: self.scene.check(self.cloud, samples=0))
         self.assertLess(told["check"]["cloud_to_surface"]["rms_m"], 1e-4)
+
+    def test_a_registration_ends(self):
+        clouds = [sparsha.Cloud(self.points[self.points[:, 0] < 0.12]), sparsha.Cloud(self.points[self.points[:, 0] > 0.06])]
+        found = self.assert_ends_early(lambda: sparsha.register(clouds, voxel_mm=0.3))
+        self.assertEqual(len(found["poses"]), 2)
 
 
 if __name__ == "__main__":
