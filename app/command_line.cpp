@@ -169,4 +169,9 @@ Run CommandLine::parse(int argc, char** argv) {
   return {};
 }
 
+std::string CommandLine::subcommand() const {
+  const std::vector<CLI::App*> given = app_->get_subcommands();
+  return given.empty() ? std::string() : given.front()->get_name();
+}
+
 }  // namespace sparsha::app

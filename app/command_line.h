@@ -97,6 +97,8 @@ class CommandLine {
   /// Empty when all was understood. Else what is to be done instead: --help and --version print, and anything wrong is
   /// an error message with the option that was perhaps meant.
   [[nodiscard]] Run parse(int argc, char** argv);
+  /// The subcommand that was given, after parse(); empty when none was.
+  [[nodiscard]] std::string subcommand() const;
 
  private:
   std::unique_ptr<CLI::App> app_;

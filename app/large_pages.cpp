@@ -1,5 +1,5 @@
-// The heap in large pages. A build takes and frees arrays of megabytes at every step; with small pages a quarter of its
-// time was spent in page faults.
+// The heap in large pages, and large arrays in files where a build asks for it. A build takes and frees arrays of
+// megabytes at every step; with small pages a quarter of its time was spent in page faults.
 #include <malloc.h>
 #include <unistd.h>
 
@@ -10,6 +10,7 @@
 #include <new>
 
 #include "base/system.h"
+#include "base/system/disk_arrays.h"
 
 namespace {
 
@@ -32,6 +33,7 @@ std::atomic<char*> advised_to{nullptr};
   ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
   ::mallopt(M_TOP_PAD, 16 << 20);
   advised_to = border_below(heap_end()) + kLargePageBytes;
+  sparsha::system::allow_disk_arrays();
   return true;
 }();
 
@@ -47,6 +49,7 @@ void advise_heap() noexcept {
 }
 
 void* allocate(std::size_t size) noexcept {
+  if (sparsha::system::wants_disk_array(size)) return sparsha::system::take_disk_array(size);
   void* const block = std::malloc(size == 0 ? 1 : size);
   if (size >= kLargeBlock && block != nullptr) {
     advise_heap();
@@ -65,5 +68,7 @@ void* operator new(std::size_t size) {
     handler();
   }
 }
-void operator delete(void* block) noexcept { std::free(block); }
-void operator delete(void* block, std::size_t) noexcept { std::free(block); }
+void operator delete(void* block) noexcept {
+  if (!sparsha::system::give_disk_array(block)) std::free(block);
+}
+void operator delete(void* block, std::size_t) noexcept { operator delete(block); }

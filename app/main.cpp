@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/system.h"
 #include "base/system/signals.h"
+#include "pipeline/cluster/ranks.h"
 
 namespace {
 
@@ -40,6 +41,17 @@ int deliver(const sparsha::app::Run& run) {
     print_error(std::string("error: ") + error.what());
     return 1;
   }
+}
+
+// Several processes share a build; of any other command each would do the same, and write the same files.
+int refuse_ranks(const std::string& command, const sparsha::pipeline::Launched& launched) {
+  constexpr auto kUsage = sparsha::ErrorKind::usage;
+  if (launched.rank == 0) {
+    const std::string wrong = "`sparsha " + command + "` is run by one process, and a launcher of MPI started " +
+                              std::to_string(launched.size);
+    sparsha::app::print_error(sparsha::Error(kUsage, {}, wrong, "`sparsha " + command + "` without mpirun").what());
+  }
+  return static_cast<int>(kUsage);
 }
 
 }  // namespace
@@ -84,5 +96,7 @@ int main(int argc, char** argv) {
   }
 
   if (const Run instead = line.parse(argc, argv)) return deliver(instead);
+  const sparsha::pipeline::Launched launched = sparsha::pipeline::launched();
+  if (launched.size > 1 && line.subcommand() != "build") return refuse_ranks(line.subcommand(), launched);
   return deliver(run);
 }

@@ -13,6 +13,7 @@
 #include "app/commands/commands.h"
 #include "app/inputs.h"
 #include "app/terminal/terminal.h"
+#include "app/version_text.h"
 #include "app/words/results.h"
 #include "app/words/sentences.h"
 #include "audio/sound_bank.h"
@@ -38,6 +39,7 @@ struct Arguments {
   std::string memory;
   bool validate = false;
   bool force = false;
+  bool resume = false;
   std::string only;
 };
 
@@ -56,6 +58,11 @@ fs::path scene_folder(const Arguments& arguments) {
   const bool nameless = folder.filename() == "." || folder.filename() == "..";
   if (nameless && fs::exists(folder, code)) folder = fs::canonical(folder, code);
   return folder;
+}
+
+// "statue.scene" -> ".statue.scene.tiles" beside it.
+fs::path tiles_of(const fs::path& folder) {
+  return folder.parent_path() / ("." + folder.filename().string() + ".tiles");
 }
 
 // Before scans are read: a scene that cannot be written need not be built.
@@ -79,6 +86,13 @@ int run_build(const Arguments& arguments, const CommonOptions& common, pipeline:
   if (!arguments.memory.empty()) options.memory_bytes = parse_bytes(arguments.memory);
 
   const fs::path folder = scene_folder(arguments);
+  if (arguments.resume) {
+    options.finished_tiles = tiles_of(folder);
+    options.program = version_text();
+  }
+  if (arguments.resume && transport != nullptr)
+    throw usage_error("--resume is for one process, and this one was started by a launcher of MPI",
+                      "`sparsha build` without mpirun, or without --resume");
   std::optional<pipeline::Ranks> ranks;
   if (transport != nullptr) options.ranks = &ranks.emplace(*transport, terminal.progress());
   const bool is_root = !ranks || ranks->is_root();
@@ -167,6 +181,9 @@ void add_build(Command app, const CommonOptions& common, Run& run) {
   command.add_flag("--validate", arguments->validate, "check the configuration and print it resolved; build nothing");
   command.add_flag("--force", arguments->force,
                    "build although the surface lies far from the points, or chunks of a LAZ file are damaged");
+  command.add_flag(
+      "--resume", arguments->resume,
+      "keep finished tiles beside the scene until it is whole, and go on from those of a build that was ended");
   command.add_option("--only", arguments->only, "grid: read, project and write heights, nothing else")
       .check(one_of({"grid"}));
   command.callback([arguments, &common, &run] {

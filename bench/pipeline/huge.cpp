@@ -40,9 +40,14 @@ bool same_bytes(const fs::path& a, const fs::path& b) {
   return true;
 }
 
+struct Built {
+  bool good = false;
+  double points = 0.0, cpu_seconds = 0.0;
+};
+
 // One scan under a limit of memory that its build breaks without files on disk.
-bool build_under(double points, const std::string& limit, double limit_bytes, const RunOptions& options,
-                 std::ofstream& csv) {
+Built build_under(double points, const std::string& limit, double limit_bytes, const RunOptions& options,
+                  std::ofstream& csv) {
   const fs::path folder = options.work / "huge";
   const pipeline::SimulationConfig simulation = scan_of(points);
   Progress progress;
@@ -58,7 +63,7 @@ bool build_under(double points, const std::string& limit, double limit_bytes, co
   if (limited.exit_code != 0) {
     fmt::print("{:.0f} points under {}: failed with exit code {}\n", points, limit, limited.exit_code);
     fs::remove_all(folder);
-    return false;
+    return {};
   }
   const Figures error =
       judge(samples_of(scene::open_scene(folder / "disk")->read_level(0).grid, pipeline::Truth(simulation)),
@@ -83,7 +88,7 @@ bool build_under(double points, const std::string& limit, double limit_bytes, co
   csv << fmt::format("{:.0f},{},{},{},{},{},{},{}\n", points, limit, limited.seconds, limited.cpu_seconds,
                      seconds_in_memory, peak * 1e-6, error.rms_away_mm, same);
   fs::remove_all(folder);
-  return good;
+  return {good, points, limited.cpu_seconds};
 }
 
 }  // namespace
@@ -92,8 +97,15 @@ bool run_huge(const RunOptions& options) {
   if (options.huge_points <= 0.0 || !fs::exists(options.program)) return true;
   std::ofstream csv(options.out / "pipeline_huge.csv");
   csv << "points,memory_limit,seconds,cpu_seconds,seconds_in_memory,peak_rss_mb,rms_away_mm,bytes\n";
-  const bool tenth = build_under(options.huge_points / 10, "200MB", 200e6, options, csv);
-  return build_under(options.huge_points, "1GB", 1e9, options, csv) && tenth;
+  const Built tenth = build_under(options.huge_points / 10, "200MB", 200e6, options, csv);
+  const Built whole = build_under(options.huge_points, "1GB", 1e9, options, csv);
+  // The nodes do not fit either.
+  const Built little = build_under(options.huge_points, "300MB", 300e6, options, csv);
+  if (tenth.good && whole.good) {
+    fmt::print("CPU time grows as points to the power of {:.2f}\n",
+               std::log(whole.cpu_seconds / tenth.cpu_seconds) / std::log(whole.points / tenth.points));
+  }
+  return tenth.good && whole.good && little.good;
 }
 
 }  // namespace sparsha::bench

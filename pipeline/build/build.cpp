@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 #include <utility>
@@ -370,6 +371,7 @@ BuildResult build_scene(const scene::Config& given, const BuildOptions& options,
   for (const scene::Layers& level : levels) scene.levels.push_back(level.grid.lattice);
 
   BuildResult result;
+  result.disk_arrays = std::move(scans.disk_arrays);
   result.scene = scene::make_scene(std::move(scene), std::move(levels));
   warn_of_empty_places(result.scene->description(), progress);
   report.stages = progress.stages();
@@ -415,8 +417,10 @@ void take_part_in_build(const scene::Config& given, const BuildOptions& options,
   (void)project_scans(config, building, {pool, progress});
 }
 
-BuildResult build_scene_folder(const scene::Config& config, const BuildOptions& options,
-                               const std::filesystem::path& folder, Progress& progress) {
+namespace {
+
+BuildResult build_and_write(const scene::Config& config, const BuildOptions& options,
+                            const std::filesystem::path& folder, Progress& progress) {
   const auto began = std::chrono::steady_clock::now();
   scene::require_replaceable(folder, config);
   AtomicPath target(folder, AtomicPath::Kind::folder);
@@ -443,7 +447,18 @@ BuildResult build_scene_folder(const scene::Config& config, const BuildOptions& 
   if (const std::filesystem::path notes = folder / scene::kNotesFile; std::filesystem::is_regular_file(notes, code))
     write_file(target.temporary() / scene::kNotesFile, read_file(notes, kMostNotes));
   target.commit();
+  if (!options.finished_tiles.empty()) std::filesystem::remove(options.finished_tiles, code);
   return result;
+}
+
+}  // namespace
+
+BuildResult build_scene_folder(const scene::Config& config, const BuildOptions& options,
+                               const std::filesystem::path& folder, Progress& progress) try {
+  return build_and_write(config, options, folder, progress);
+} catch (const std::bad_alloc&) {
+  system::throw_if_disk_was_full();
+  throw;
 }
 
 }  // namespace sparsha::pipeline

@@ -3,7 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <string>
 
+#include "base/system/disk_arrays.h"
 #include "base/threads/progress.h"
 #include "pipeline/cluster/ranks.h"
 #include "pipeline/report/report.h"
@@ -22,12 +25,17 @@ struct BuildOptions {
   /// Where such files are, without a name: they go with the build. build_scene_folder takes the scene's parent folder
   /// when it is empty, build_scene the system's folder for temporary files.
   std::filesystem::path scratch_folder;
+  /// Where tiles of the grid are kept as they are measured, through files on disk whatever the limit; a build that
+  /// finds its own there goes on from them. Empty: nowhere. build_scene_folder() removes it once the scene is written.
+  std::filesystem::path finished_tiles;
+  std::string program;  ///< what builds the scene, version and all: tiles of another program are not gone on from
   /// Of those that build this scene together, with the same configuration and options; null alone. The root alone
   /// writes the scene, the others call take_part_in_build().
   const Ranks* ranks = nullptr;
 };
 
 struct BuildResult {
+  std::shared_ptr<system::DiskArrays> disk_arrays;  ///< in which the scene lies; null when it is in memory
   scene::ScenePointer scene;
   Report report;
 };

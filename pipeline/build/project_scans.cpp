@@ -14,9 +14,11 @@
 
 #include "base/error.h"
 #include "base/system.h"
+#include "pipeline/build/kept_tiles.h"
 #include "pipeline/build/measured_points.h"
 #include "pipeline/build/on_ranks.h"
 #include "pipeline/build/point_worth.h"
+#include "pipeline/build/refused_scans.h"
 #include "pipeline/build/unrolled.h"
 #include "pipeline/filter/filter.h"
 #include "pipeline/filter/streamed.h"
@@ -33,11 +35,6 @@
 
 namespace sparsha::pipeline {
 namespace {
-
-Error no_points(const scene::Config& config) {
-  return input_error(config.scans.front().file.string(), "there are no points to build from",
-                     "a scan with at least one finite point");
-}
 
 // Whether a filter may leave one of several pieces.
 bool takes_places_away(const scene::FilterConfig& filter) {
@@ -77,6 +74,9 @@ double scale_of(const Eigen::Matrix4d& scan_to_grid) {
 // Bytes per point that bytes_in_memory() allows for its projection.
 constexpr std::uint64_t kWindowBytes = 56;
 
+// Of a tile that is kept: a build that is ended loses no more than it takes to measure as many.
+constexpr std::uint64_t kTilePoints = 4'000'000;
+
 // Thrown while a build in memory turns out to exceed the limit.
 struct DoesNotFit {
   std::uint64_t bytes = 0;  ///< that it needs with the grid; 0 where that is not known
@@ -98,7 +98,8 @@ class Builder {
 
   ProjectedScans run() {
     progress_.begin("read");
-    ScanSet scans(config_.scans, limit_.none() && !shared() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true,
+    ScanSet scans(config_.scans,
+                  limit_.none() && !shared() && !resumes() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true,
                   progress_, fields_of(filters_), mesh_refusal(limit_, filters_, fields_of(filters_).size(), false),
                   part_of(filters_, options_.force));
     require_fields(config_.scans, scans, filters_, progress_);
@@ -109,14 +110,14 @@ class Builder {
       for (const std::string& pieces : scans.pieces()) progress_.warn(pieces);
     }
     try {
-      if (shared() || !may_fit(limit_, amount_of(scans), filters_)) throw DoesNotFit();
+      if (shared() || keeps_tiles(scans) || !may_fit(limit_, amount_of(scans), filters_)) throw DoesNotFit();
       build_in_memory(scans);
     } catch (const DoesNotFit& needed) {
       result_ = {};
       grid_ = config_.grid;
       oriented_ = !config_.orientation.face.has_value();
       if (shared()) require_points_for_ranks(config_, scans.faces());
-      require_points_only(scans, needed.bytes);
+      require_points_only(amount_of(scans), filters_, needed.bytes);
       if (thins()) {
         build_thinned(scans);
       } else {
@@ -124,7 +125,7 @@ class Builder {
       }
     }
     count_unread(scans.unread());
-    result_.sources = scans.sources();
+    if (result_.sources.empty()) result_.sources = scans.sources();
     result_.scan_to_grid = unrolled_ ? unrolled_->scan_to_grid : scan_to_grid_;
     return std::move(result_);
   }
@@ -152,6 +153,15 @@ class Builder {
   /// Whether several processes build the scene, and whether this one goes on with what they have projected.
   [[nodiscard]] bool shared() const { return options_.ranks != nullptr; }
   [[nodiscard]] bool is_root() const { return !shared() || options_.ranks->is_root(); }
+  [[nodiscard]] bool resumes() const { return !options_.finished_tiles.empty(); }
+  /// What is not projected through files on disk has no tiles to go on from.
+  [[nodiscard]] bool keeps_tiles(const ScanSet& scans) const {
+    if (!resumes()) return false;
+    const bool on_disk =
+        scans.faces() == 0 && !around() && !unrolls() && std::all_of(filters_.begin(), filters_.end(), can_be_streamed);
+    if (!on_disk) progress_.warn("this scene is built in memory as a whole: a build that is ended begins anew");
+    return on_disk;
+  }
   [[nodiscard]] bool finds_pillars() const {
     return !options_.grid_only && config_.audio && config_.audio->find_pillars;
   }
@@ -313,41 +323,17 @@ class Builder {
   }
   [[nodiscard]] double scale() const { return scale_of(scan_to_grid_); }
 
-  // Before memory is taken for what cannot be there: a system that grants more than it has kills the program later.
-  static void require_room(const scene::Lattice& lattice, std::uint64_t bytes) {
-    const std::uint64_t memory = system::physical_memory_bytes();
-    if (memory == 0 || bytes <= memory / 10 * 9) return;
-    throw usage_error(fmt::format("a grid of {} x {} nodes needs about {} MB for its layers, this machine has {} MB",
-                                  lattice.nx, lattice.ny, bytes / 1'000'000U, memory / 1'000'000U),
-                      "a smaller grid.size or larger grid.spacing_mm");
+  /// OpenCV takes its memory past the program's allocator.
+  [[nodiscard]] bool may_put_nodes_on_disk() const {
+    const bool opencv =
+        !options_.grid_only && config_.texture && config_.texture->method == scene::TextureConfig::Method::opencv;
+    return limit_.bytes > 0 && system::has_disk_arrays() && !opencv;
   }
-
-  // Faces, and filters that look farther than a point, are not for points on disk. `bytes`: what memory and grid need,
-  // if known.
-  void require_points_only(const ScanSet& scans, std::uint64_t bytes) const {
-    const ScanAmount amount = amount_of(scans);
-    if (amount.faces > 0) {
-      throw refusal_of_mesh(amount, bytes > 0 ? bytes : bytes_in_memory(amount, filters_), bytes > 0);
-    }
-    for (const scene::FilterConfig& filter : filters_) {
-      if (std::holds_alternative<scene::VoxelConfig>(filter)) return;  // what follows it has a cloud in memory
-      if (can_be_streamed(filter)) continue;
-      const std::string name = scene::filter_name(filter);
-      throw Error(ErrorKind::failure, filter.place,
-                  fmt::format("{} points need about {} MB and the grid in memory, more than the limit, and the filter "
-                              "'{}' works in memory only",
-                              amount.points, bytes_in_memory(amount, filters_) / 1'000'000U + 1, name),
-                  "a higher --memory, a voxel filter before it" + without(filter, name));
-    }
-  }
-
-  // What the projection does by itself.
-  static std::string without(const scene::FilterConfig& filter, const std::string& name) {
-    if (std::holds_alternative<scene::OutlierConfig>(filter) ||
-        std::holds_alternative<scene::RadiusOutlierConfig>(filter)) {
-      return ", or no '" + name + "': the projection leaves them out by itself";
-    }
-    return std::holds_alternative<scene::ThinConfig>(filter) ? ", or no 'thin': the projection does not need it" : "";
+  void put_nodes_on_disk_unless_they_fit(std::uint64_t node_bytes, std::uint64_t bytes_per_point,
+                                         std::uint64_t sample_bytes, const scene::Lattice& lattice) {
+    if (!may_put_nodes_on_disk() || nodes_fit(limit_, node_bytes, bytes_per_point, sample_bytes, lattice)) return;
+    limit_.nodes_on_disk = true;
+    result_.disk_arrays = std::make_shared<system::DiskArrays>(scratch_folder(), limit_.bytes);
   }
 
   [[nodiscard]] bool thins() const {
@@ -400,7 +386,9 @@ class Builder {
                                                 filters_.end());
     build_cloud(cloud, rest, points, std::move(steps),
                 [&](const scene::Lattice& lattice, std::uint64_t bytes_per_point) {
-                  (void)points_of_a_tile({limit_.bytes, 0}, node_bytes(scans, lattice), bytes_per_point, 0, lattice);
+                  const std::uint64_t nodes = node_bytes(scans, lattice);
+                  put_nodes_on_disk_unless_they_fit(nodes, bytes_per_point, 0, lattice);
+                  (void)points_of_a_tile({limit_.bytes, 0, limit_.nodes_on_disk}, nodes, bytes_per_point, 0, lattice);
                 });
   }
 
@@ -410,12 +398,14 @@ class Builder {
     const std::optional<SampledGrid> grid =
         sampled_grid(scans.sample_m(), scan_to_grid_, config_.grid, config_.haptics.resolution_m, {pool_, progress_});
     if (!grid) return;
-    require_room_about_nodes(limit_, scans.sample_m(), scans.points(), scan_to_grid_, *grid);
-    require_room_likely(limit_, checks() ? &*config_.check : nullptr, scans.points(), node_bytes(scans, grid->lattice),
+    MemoryLimit limit = limit_;
+    limit.nodes_on_disk = may_put_nodes_on_disk();
+    require_room_about_nodes(limit, scans.sample_m(), scans.points(), scan_to_grid_, *grid);
+    require_room_likely(limit, checks() ? &*config_.check : nullptr, scans.points(), node_bytes(scans, grid->lattice),
                         grid->bytes_per_point, grid->lattice);
   }
 
-  void build_out_of_core(const ScanSet& scans) {
+  void build_out_of_core(ScanSet& scans) {
     if (around() || unrolls()) {
       const std::string block = around() ? "around" : "unroll";
       throw Error(ErrorKind::failure, {},
@@ -442,12 +432,17 @@ class Builder {
                           {pool_, progress_});
     const scene::Lattice& lattice = tiled.plan().lattice;
     const std::uint64_t sample_bytes = checks() ? bytes_of_sample(*config_.check, result_.points.read, lattice) : 0;
-    const std::uint64_t tile_points =
-        points_of_a_tile(limit_, node_bytes(scans, lattice), tiled.plan().bytes_per_point(), sample_bytes, lattice);
-    if (checks()) {
-      require_room_for_sample(limit_, *config_.check, result_.points.read, node_bytes(scans, lattice), lattice);
-    }
-    result_.projection = tiled.run(tile_points, scratch_folder(), {pool_, progress_});
+    const std::uint64_t nodes = node_bytes(scans, lattice);
+    const std::uint64_t bytes_per_point = tiled.plan().bytes_per_point();
+    put_nodes_on_disk_unless_they_fit(nodes, bytes_per_point, sample_bytes, lattice);
+    const std::uint64_t tile_points = points_of_a_tile(limit_, nodes, bytes_per_point, sample_bytes, lattice);
+    if (checks()) require_room_for_sample(limit_, *config_.check, result_.points.read, nodes, lattice);
+    if (resumes()) result_.sources = scans.sources();
+    std::optional<FinishedTiles> finished =
+        open_kept_tiles(options_, config_, result_.sources, tiled.plan(), progress_);
+    const std::uint64_t most = finished ? std::min(tile_points, kTilePoints) : tile_points;
+    result_.projection =
+        tiled.run({most, limit_, finished ? &*finished : nullptr}, scratch_folder(), {pool_, progress_});
     system::trim_heap();
     if (!checks() || !is_root()) return;
     auto points = std::make_shared<BucketedPoints>(tiled.take_points());

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "base/system/disk_arrays.h"
 #include "base/threads/context.h"
 #include "pipeline/build/build.h"
 #include "pipeline/charts/charts.h"
@@ -33,6 +35,8 @@ struct ProjectedScans {
   std::optional<ChartResult> charts;  ///< when the configuration has a block `around`
   /// Checks charts against all points that filters left; before `check`, and null when that is.
   std::function<ChartCheck(const scene::Charts& charts)> check_charts;
+  /// Where large arrays lie from here on when the nodes do not fit the memory limit; else null.
+  std::shared_ptr<system::DiskArrays> disk_arrays;
 };
 
 /// Reads, filters and projects. The same result whether out of core or not. Throws Error{usage, input}; Error{failure}

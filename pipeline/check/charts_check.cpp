@@ -127,7 +127,7 @@ ChartCheck check_charts(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
   ChartCheck result;
   result.points = cloud.size();
   const float* xyz = cloud.xyz1();
-  const std::vector<std::uint32_t> sample = choose_sample(
+  const std::vector<std::uint64_t> sample = choose_sample(
       cloud.size(), static_cast<std::uint64_t>(std::max<std::int64_t>(0, config.samples)), [&](const auto& offer) {
         for (std::size_t k = 0; k < cloud.size(); ++k) offer(mix_bits(key_of(xyz + 4 * k)), k);
       });

@@ -118,10 +118,9 @@ std::vector<float> distances_to_surface(const scene::DepthGrid& grid, const std:
   std::vector<std::uint64_t> judged(pieces);
   std::vector<double> worst(pieces);
   pool.for_ranges(sample.size(), kSamplesPerPiece, [&](std::size_t begin, std::size_t end) {
-    SurfaceIndex::Scratch scratch;
     for (std::size_t k = begin; k < end; ++k) {
       const Place& p = sample[k];
-      const SurfaceDistance found = surface.distance(p[0], p[1], p[2], scratch);
+      const SurfaceDistance found = surface.distance(p[0], p[1], p[2]);
       signed_m[k] = static_cast<float>(found.signed_m);
       if (k % stride != 0) continue;
       const SurfaceDistance second = surface.distance_by_walking(p[0], p[1], p[2], kSecondMethodRings);
@@ -168,7 +167,7 @@ NodeErrors error_map(const scene::Lattice& lattice, const std::vector<Place>& sa
 }
 
 /// A sample of the measured nodes (0 = all), ascending, and how many there are.
-std::vector<std::uint32_t> sample_nodes(const scene::DepthGrid& grid, std::uint64_t wanted, std::uint64_t& measured) {
+std::vector<std::uint64_t> sample_nodes(const scene::DepthGrid& grid, std::uint64_t wanted, std::uint64_t& measured) {
   measured = static_cast<std::uint64_t>(std::count(grid.state.begin(), grid.state.end(), scene::NodeState::measured));
   return choose_sample(measured, wanted, [&](const auto& offer) {
     for (std::size_t n = 0; n < grid.state.size(); ++n)
@@ -178,17 +177,17 @@ std::vector<std::uint32_t> sample_nodes(const scene::DepthGrid& grid, std::uint6
 
 /// Signed distance from each node to the nearest of the points and triangles, positive when that is nearer to the
 /// viewer.
-std::vector<float> distances_from_nodes(const scene::DepthGrid& grid, const std::vector<std::uint32_t>& nodes,
+std::vector<float> distances_from_nodes(const scene::DepthGrid& grid, const std::vector<std::uint64_t>& nodes,
                                         const CountedPoints& points, const SeenMesh* mesh, double point_spacing_m,
                                         ThreadPool& pool) {
   if (mesh == nullptr && points.size == 0) return {};
   std::vector<float> distances = nearest_point_distances(grid, nodes, points, point_spacing_m, pool);
   if (mesh == nullptr) return distances;
-  const auto nx = static_cast<std::uint32_t>(grid.lattice.nx);
+  const auto nx = static_cast<std::uint64_t>(grid.lattice.nx);
   pool.for_ranges(nodes.size(), kSamplesPerPiece, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      const double x = (nodes[k] % nx) * grid.lattice.spacing_m;
-      const double y = (nodes[k] / nx) * grid.lattice.spacing_m;
+      const double x = static_cast<double>(nodes[k] % nx) * grid.lattice.spacing_m;
+      const double y = static_cast<double>(nodes[k] / nx) * grid.lattice.spacing_m;
       const auto found = static_cast<float>(mesh->triangles().signed_distance(x, y, grid.height_m[nodes[k]]));
       if (std::abs(found) <= std::abs(distances[k])) distances[k] = found;
     }
@@ -224,7 +223,7 @@ CheckResult compare(const CountedPoints& points, const SeenMesh* mesh, const sce
   context.progress.at(0.5);
 
   std::uint64_t measured = 0;
-  const std::vector<std::uint32_t> nodes = sample_nodes(grid, wanted, measured);
+  const std::vector<std::uint64_t> nodes = sample_nodes(grid, wanted, measured);
   distances = distances_from_nodes(grid, nodes, points, mesh, point_spacing_m, context.pool);
   result.surface_to_cloud = statistics_of(distances, measured);
   result.surface_histogram_bin_m = kHistogramReach * result.surface_to_cloud.p99_m / kBins;

@@ -60,28 +60,28 @@ class Mask {
 
 class Search {
  public:
-  Search(const scene::DepthGrid& grid, const std::vector<std::uint32_t>& nodes, const CountedPoints& points)
+  Search(const scene::DepthGrid& grid, const std::vector<std::uint64_t>& nodes, const CountedPoints& points)
       : result(nodes.size(), std::numeric_limits<float>::infinity()),
         grid_(grid),
         nodes_(nodes),
         points_(points),
-        nx_(static_cast<std::uint32_t>(grid.lattice.nx)),
+        nx_(static_cast<std::uint64_t>(grid.lattice.nx)),
         spacing_(grid.lattice.spacing_m) {}
 
   std::vector<float> result;
 
   /// Node k's nearest among the tree's points, when it is nearer than what is known.
   void ask(const PointTree& tree, std::span<const float> xyz, std::size_t k, PointTree::Answer& answer) {
-    const std::uint32_t node = nodes_[k];
-    const double x = (node % nx_) * spacing_, y = (node / nx_) * spacing_, z = grid_.height_m[node];
+    const std::uint64_t node = nodes_[k];
+    const double x = column(node) * spacing_, y = row(node) * spacing_, z = grid_.height_m[node];
     if (!tree.nearest(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z), answer)) return;
     offer(xyz.data() + 3 * static_cast<std::size_t>(answer.index[0]), k);
   }
 
   /// Node k's nearest, if it is this point; of equally near ones one above the node, so that their order means nothing.
   void offer(const float* point, std::size_t k) {
-    const std::uint32_t node = nodes_[k];
-    const double x = (node % nx_) * spacing_, y = (node / nx_) * spacing_, z = grid_.height_m[node];
+    const std::uint64_t node = nodes_[k];
+    const double x = column(node) * spacing_, y = row(node) * spacing_, z = grid_.height_m[node];
     const double dx = point[0] - x, dy = point[1] - y, dz = point[2] - z;
     const auto found = static_cast<float>(std::copysign(std::sqrt(dx * dx + dy * dy + dz * dz), dz));
     const float known = std::abs(result[k]);
@@ -95,7 +95,7 @@ class Search {
     const std::size_t first = strip * kStripRows, row_nodes = nx_;
     const double last_row =
         std::min<double>(kStripRows, static_cast<double>(grid_.lattice.ny) - static_cast<double>(first)) - 1;
-    const double per_spacing = 1 / spacing_;
+    const double per_spacing = 1 / spacing_, last_column = static_cast<double>(nx_) - 1;
     std::vector<std::size_t> asked;  // by node of the strip
     for (; !open.empty() && reach < kStripRows; reach *= kGrowth) {
       asked.assign(kStripRows * row_nodes, kNotAsked);
@@ -104,7 +104,7 @@ class Search {
       points_.in_rows(from - reach, from + last_row + reach, [&](std::span<const float> xyz) {
         for (std::size_t p = 0; p < xyz.size(); p += 3) {
           const double i = xyz[p] * per_spacing, j = xyz[p + 1] * per_spacing - from;
-          const double left = std::max(std::ceil(i - reach), 0.0), right = std::min(std::floor(i + reach), nx_ - 1.0);
+          const double left = std::max(std::ceil(i - reach), 0.0), right = std::min(std::floor(i + reach), last_column);
           const double low = std::max(std::ceil(j - reach), 0.0), high = std::min(std::floor(j + reach), last_row);
           for (double b = low; b <= high; ++b)
             for (double a = left; a <= right; ++a) {
@@ -128,7 +128,7 @@ class Search {
     PointTree::Answer answer;
     for (; !open.empty() && reach < kStripRows; reach *= kGrowth) {
       Mask mask(grid_.lattice.nx, first, last, reach);
-      for (const std::size_t k : open) mask.mark(nodes_[k] % nx_, static_cast<double>(nodes_[k] / nx_));
+      for (const std::size_t k : open) mask.mark(column(nodes_[k]), row(nodes_[k]));
       chosen.clear();
       points_.in_rows(first - reach, last + reach, [&](std::span<const float> xyz) {
         for (std::size_t p = 0; p < xyz.size(); p += 3) {
@@ -148,16 +148,19 @@ class Search {
   }
 
  private:
+  [[nodiscard]] double column(std::uint64_t node) const { return static_cast<double>(node % nx_); }
+  [[nodiscard]] double row(std::uint64_t node) const { return static_cast<double>(node / nx_); }
+
   const scene::DepthGrid& grid_;
-  const std::vector<std::uint32_t>& nodes_;
+  const std::vector<std::uint64_t>& nodes_;
   const CountedPoints& points_;
-  std::uint32_t nx_;
+  std::uint64_t nx_;
   double spacing_;
 };
 
 }  // namespace
 
-std::vector<float> nearest_point_distances(const scene::DepthGrid& grid, const std::vector<std::uint32_t>& nodes,
+std::vector<float> nearest_point_distances(const scene::DepthGrid& grid, const std::vector<std::uint64_t>& nodes,
                                            const CountedPoints& points, double point_spacing_m, ThreadPool& pool) {
   Search search(grid, nodes, points);
   if (nodes.empty() || points.size == 0) return std::move(search.result);

@@ -13,7 +13,7 @@ namespace sparsha::pipeline {
 /// Signed distance from each node (ascending indices) to its nearest point, positive when that point is nearer to the
 /// viewer; infinite without points. Exact; `point_spacing_m` tunes the first try.
 [[nodiscard]] std::vector<float> nearest_point_distances(const scene::DepthGrid& grid,
-                                                         const std::vector<std::uint32_t>& nodes,
+                                                         const std::vector<std::uint64_t>& nodes,
                                                          const CountedPoints& points, double point_spacing_m,
                                                          ThreadPool& pool);
 

@@ -70,13 +70,13 @@ std::uint64_t sample_threshold(std::uint64_t population, std::uint64_t wanted) n
   return share < 1 ? static_cast<std::uint64_t>(share * 0x1p64) : ~std::uint64_t{0};
 }
 
-std::vector<std::uint32_t> smallest_keys(std::vector<Keyed> candidates, std::uint64_t wanted) {
+std::vector<std::uint64_t> smallest_keys(std::vector<Keyed> candidates, std::uint64_t wanted) {
   if (wanted < candidates.size()) {
     std::nth_element(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(wanted), candidates.end(),
                      [](const Keyed& a, const Keyed& b) { return a.key != b.key ? a.key < b.key : a.item < b.item; });
     candidates.resize(wanted);
   }
-  std::vector<std::uint32_t> items;
+  std::vector<std::uint64_t> items;
   items.reserve(candidates.size());
   for (const Keyed& candidate : candidates) items.push_back(candidate.item);
   std::sort(items.begin(), items.end());

@@ -33,11 +33,4 @@ bool PointTree::nearest(float x, float y, float z, Answer& answer) const {
   return implementation_->tree.nearestKSearch(pcl::PointXYZ(x, y, z), 1, answer.index, answer.squared_m2) == 1;
 }
 
-void PointTree::within(float x, float y, float z, double radius_m, Answer& answer) const {
-  answer.index.clear();
-  answer.squared_m2.clear();
-  if (implementation_->size == 0) return;
-  implementation_->tree.radiusSearch(pcl::PointXYZ(x, y, z), radius_m, answer.index, answer.squared_m2);
-}
-
 }  // namespace sparsha::pipeline

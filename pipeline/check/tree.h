@@ -25,8 +25,6 @@ class PointTree {
   };
   /// The nearest point; false when the tree is empty.
   bool nearest(float x, float y, float z, Answer& answer) const;
-  /// All points within `radius_m`, in no particular order.
-  void within(float x, float y, float z, double radius_m, Answer& answer) const;
 
  private:
   struct Implementation;

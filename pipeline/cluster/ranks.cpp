@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
+#include <initializer_list>
 
 #include "base/error.h"
 #include "base/system/library.h"
@@ -35,6 +36,18 @@ bool started_by_mpi() {
   const auto is_set = [](const char* name) { return std::getenv(name) != nullptr; };
   // Set by OpenMPI, by MPICH, Intel's MPI and Slurm, and by every launcher with PMIx.
   return is_set("OMPI_COMM_WORLD_SIZE") || is_set("PMI_SIZE") || is_set("PMIX_RANK");
+}
+
+Launched launched() {
+  if (!started_by_mpi()) return {};
+  const auto first_of = [](std::initializer_list<const char*> names, int otherwise) {
+    for (const char* name : names)
+      if (const char* const value = std::getenv(name)) return std::atoi(value);
+    return otherwise;
+  };
+  // PMIx itself tells the rank alone; Slurm, which may start it, knows how many there are.
+  return {first_of({"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"}, 0),
+          first_of({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"}, 1)};
 }
 
 #if defined(SPARSHA_MPI_LIBRARY)

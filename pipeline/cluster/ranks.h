@@ -13,6 +13,13 @@ namespace sparsha::pipeline {
 /// Whether this process was started by mpirun, srun or another launcher of MPI.
 [[nodiscard]] bool started_by_mpi();
 
+/// What the launcher says without MPI: which process this is and of how many; 0 of 1 without a launcher, and where it
+/// does not say.
+struct Launched {
+  int rank = 0, size = 1;
+};
+[[nodiscard]] Launched launched();
+
 /// Loads the plug-in and sets MPI up, which takes half a second; the same object at every call. Throws Error{failure}
 /// when the plug-in is not installed.
 [[nodiscard]] Transport& mpi_transport();

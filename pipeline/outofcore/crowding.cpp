@@ -113,7 +113,7 @@ void require_room_about_nodes(const MemoryLimit& limit, const std::vector<Eigen:
     return static_cast<std::uint64_t>(share * static_cast<double>(points));
   };
   const auto bytes_for = [&](std::uint64_t about) {
-    return bytes_with_tile(about, grid.bytes_per_point, grid.lattice);
+    return bytes_with_tile(limit, about, grid.bytes_per_point, grid.lattice);
   };
   const std::uint64_t surely = of_all(counts.most(kNear), -kSigmas);
   if (bytes_for(surely) <= limit.bytes) return;

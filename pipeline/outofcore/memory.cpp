@@ -34,12 +34,16 @@ constexpr double kNodeError = 12.0;
 constexpr std::uint64_t kSampledPoint = 48;
 constexpr std::uint64_t kSampledNode = 32;
 
+// Bytes of a bin's start, which a tile has in memory, and of the points' bytes the part that they may take as well.
+constexpr std::uint64_t kBin = 4;
+constexpr std::uint64_t kOfTile = 5;
+
 // Bytes per node.
 constexpr double kHeights = 5.0;
 constexpr double kColourSums = 40.0;
 constexpr double kIntensitySums = 16.0;
 constexpr double kFillScratch = 5.0;
-constexpr double kCheckScratch = 6.5;
+constexpr double kCheckScratch = 2.0;
 constexpr double kLayer = 4.0;
 constexpr double kOpenCvScratch = 14.0;
 constexpr double kFrictionScratch = 20.0;
@@ -54,6 +58,17 @@ double errors_per_node(const scene::CheckConfig& check, const scene::Lattice& la
 double texture_scratch(const scene::TextureConfig& texture) {
   return texture.method == scene::TextureConfig::Method::opencv ? kOpenCvScratch : 0.0;
 }
+
+// Of the nodes' bytes those that must have room in memory: where they lie on disk, what the threads of a stage touch
+// before pages are dropped.
+std::uint64_t resident_bytes(const MemoryLimit& limit, std::uint64_t node_bytes) {
+  constexpr std::uint64_t kTouched = 32'000'000;
+  return limit.nodes_on_disk ? std::min(node_bytes, kTouched) : node_bytes;
+}
+
+// Of the memory that is left beside nodes on disk, that for the points of a tile; the rest is for its bins and spares
+// nodes the way from the disk.
+std::uint64_t of_tiles(std::uint64_t left) { return left / 10 * 7; }
 
 bool sorts_into_cells(const scene::FilterConfig& filter) {
   return std::holds_alternative<scene::RadiusOutlierConfig>(filter) ||
@@ -145,7 +160,7 @@ std::uint64_t bytes_of_sample(const scene::CheckConfig& check, std::uint64_t poi
 
 void require_room_for_sample(const MemoryLimit& limit, const scene::CheckConfig& check, std::uint64_t points,
                              std::uint64_t node_bytes, const scene::Lattice& lattice) {
-  const std::uint64_t needed = kProgram + node_bytes + bytes_of_sample(check, points, lattice);
+  const std::uint64_t needed = kProgram + resident_bytes(limit, node_bytes) + bytes_of_sample(check, points, lattice);
   if (limit.bytes == 0 || needed <= limit.bytes) return;
   throw Error(ErrorKind::failure, {},
               fmt::format("the sample of the cross-check needs about {} MB with the grid, more than the limit of {} MB",
@@ -160,27 +175,43 @@ std::uint64_t most_voxels(const MemoryLimit& limit) {
   return limit.points > 0 ? std::min(voxels, limit.points) : voxels;
 }
 
-std::uint64_t bytes_with_tile(std::uint64_t points, std::uint64_t bytes_per_point, const scene::Lattice& lattice) {
-  return kProgram + static_cast<std::uint64_t>(kHeights * static_cast<double>(lattice.count())) +
-         points * bytes_per_point;
+bool nodes_fit(const MemoryLimit& limit, std::uint64_t node_bytes, std::uint64_t bytes_per_point,
+               std::uint64_t sample_bytes, const scene::Lattice& lattice) {
+  return limit.bytes == 0 ||
+         std::max(kProgram + resident_bytes(limit, node_bytes) + sample_bytes,
+                  bytes_with_tile(limit, kLeastTilePoints, bytes_per_point, lattice)) <= limit.bytes;
+}
+
+std::uint64_t bytes_with_tile(const MemoryLimit& limit, std::uint64_t points, std::uint64_t bytes_per_point,
+                              const scene::Lattice& lattice) {
+  const double heights = kHeights * static_cast<double>(lattice.count());
+  return kProgram + resident_bytes(limit, static_cast<std::uint64_t>(heights)) + points * bytes_per_point;
 }
 
 std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes, std::uint64_t bytes_per_point,
                                std::uint64_t sample_bytes, const scene::Lattice& lattice) {
   std::uint64_t points = std::numeric_limits<std::uint32_t>::max();
   if (limit.bytes > 0) {
+    const std::uint64_t nodes = resident_bytes(limit, node_bytes);
     const std::uint64_t least =
-        std::max(kProgram + node_bytes, bytes_with_tile(kLeastTilePoints, bytes_per_point, lattice));
+        std::max(kProgram + nodes, bytes_with_tile(limit, kLeastTilePoints, bytes_per_point, lattice));
     if (least > limit.bytes) {
-      const std::uint64_t enough = std::max(least, kProgram + node_bytes + sample_bytes);
+      const std::uint64_t enough = std::max(least, kProgram + nodes + sample_bytes);
       throw Error(ErrorKind::failure, {},
                   fmt::format("the grid of {} x {} nodes and its layers need about {} MB, more than the limit of {} MB",
                               lattice.nx, lattice.ny, enough / 1'000'000U + 1, limit.bytes / 1'000'000U),
                   "a smaller grid.size, a larger grid.spacing_mm or a higher --memory");
     }
-    points = std::min(points, (limit.bytes - bytes_with_tile(0, bytes_per_point, lattice)) / bytes_per_point);
+    std::uint64_t left = limit.bytes - bytes_with_tile(limit, 0, bytes_per_point, lattice);
+    if (limit.nodes_on_disk) left = std::max(of_tiles(left), kLeastTilePoints * bytes_per_point);
+    points = std::min(points, left / bytes_per_point);
   }
   return limit.points > 0 ? std::min(points, limit.points) : points;
+}
+
+std::uint64_t bins_beside(const MemoryLimit& limit, std::uint64_t points, std::uint64_t bytes_per_point) {
+  if (!limit.nodes_on_disk) return std::numeric_limits<std::uint64_t>::max();
+  return points * bytes_per_point / kOfTile / kBin;
 }
 
 void require_room_likely(const MemoryLimit& limit, const scene::CheckConfig* check, std::uint64_t points,

@@ -16,6 +16,8 @@ namespace sparsha::pipeline {
 struct MemoryLimit {
   std::uint64_t bytes = 0;   ///< 0 = none
   std::uint64_t points = 0;  ///< 0 = as many as `bytes` allow
+  /// Arrays of nodes lie in files (base/system/disk_arrays.h), and a share of the limit is for what is touched of them.
+  bool nodes_on_disk = false;
 
   [[nodiscard]] bool none() const { return bytes == 0 && points == 0; }
 };
@@ -63,15 +65,23 @@ void require_room_for_sample(const MemoryLimit& limit, const scene::CheckConfig&
 /// Voxels that a filter may leave. The largest number without a limit.
 [[nodiscard]] std::uint64_t most_voxels(const MemoryLimit& limit);
 
+/// Whether nodes that need `node_bytes` at most fit beside tiles of a useful size and the cross-check's sample.
+[[nodiscard]] bool nodes_fit(const MemoryLimit& limit, std::uint64_t node_bytes, std::uint64_t bytes_per_point,
+                             std::uint64_t sample_bytes, const scene::Lattice& lattice);
+
 /// What a build needs whose largest tile has so many points, bytes.
-[[nodiscard]] std::uint64_t bytes_with_tile(std::uint64_t points, std::uint64_t bytes_per_point,
-                                            const scene::Lattice& lattice);
+[[nodiscard]] std::uint64_t bytes_with_tile(const MemoryLimit& limit, std::uint64_t points,
+                                            std::uint64_t bytes_per_point, const scene::Lattice& lattice);
 
 /// Points that a tile may have beside the grid of heights. Throws Error{failure} when the nodes alone, which need
 /// `node_bytes` at most, exceed the limit; it names what is enough for the cross-check's sample as well.
 [[nodiscard]] std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes,
                                              std::uint64_t bytes_per_point, std::uint64_t sample_bytes,
                                              const scene::Lattice& lattice);
+
+/// Bins that a tile of so many points may have. Without a bound where nodes are in memory, since tiles as high as the
+/// grid then need no more than later stages.
+[[nodiscard]] std::uint64_t bins_beside(const MemoryLimit& limit, std::uint64_t points, std::uint64_t bytes_per_point);
 
 /// Of a lattice that a sample of the points has: throws as the two above when even one with a twentieth less of nodes
 /// than that does not fit, with the memory that its own size needs. `check`: null without a cross-check.

@@ -206,8 +206,11 @@ std::uint64_t TiledProjection::most_about_a_node(int halo) const {
   return most;
 }
 
-std::vector<Tile> TiledProjection::cut_rows(std::uint64_t tile_points, int halo, const Context& context) const {
-  return cut_into_tiles(plan_.bins, halo, tile_points, row_points_, [&](int first, int last) {
+std::vector<Tile> TiledProjection::cut_rows(const TileRoom& room, int halo, const Context& context) const {
+  const auto rows = static_cast<int>(std::min<std::uint64_t>(
+      static_cast<std::uint64_t>(plan_.lattice.ny),
+      bins_beside(room.limit, room.points, plan_.bytes_per_point()) / static_cast<std::uint64_t>(plan_.bins.bins_x())));
+  return cut_into_tiles(plan_.bins, halo, room.points, rows, row_points_, [&](int first, int last) {
     return bin_points_.empty() ? count_columns(first, last, context.pool) : taken_of_columns(first, last);
   });
 }
@@ -215,35 +218,35 @@ std::vector<Tile> TiledProjection::cut_rows(std::uint64_t tile_points, int halo,
 /// Bins beyond a tile that decide its nodes: a neighbour's height decides too, and it may look as far.
 int TiledProjection::halo_of_tiles() const { return bins_beyond(plan_) + 1; }
 
-std::vector<Tile> TiledProjection::cut(std::uint64_t tile_points, const Context& context) {
+std::vector<Tile> TiledProjection::cut(const TileRoom& room, const Context& context) {
   const int halo = halo_of_tiles();
   const std::uint64_t points = std::accumulate(row_points_.begin(), row_points_.end(), std::uint64_t{0});
   // So many to a bin on average: the bins are few beside the points, and many of them crowded.
   constexpr std::size_t kManyPerBin = 64;
   if (!plan_.discs && points / kManyPerBin > plan_.bins.bin_count()) {
     count_bins(context.pool);
-    return cut_counted(tile_points, halo, context);
+    return cut_counted(room, halo, context);
   }
   try {
-    return cut_rows(tile_points, halo, context);
+    return cut_rows(room, halo, context);
   } catch (const Cancelled&) {
     throw;
   } catch (const Error&) {
     count_bins(context.pool);
     const std::uint64_t counters = bin_points_.size() * sizeof(bin_points_[0]) / plan_.bytes_per_point();
-    return cut_counted(tile_points - std::min(tile_points, counters), halo, context);
+    return cut_counted({room.points - std::min(room.points, counters), room.limit, room.finished}, halo, context);
   }
 }
 
-std::vector<Tile> TiledProjection::cut_counted(std::uint64_t tile_points, int halo, const Context& context) const {
+std::vector<Tile> TiledProjection::cut_counted(const TileRoom& room, int halo, const Context& context) const {
   try {
-    return cut_rows(tile_points, halo, context);
+    return cut_rows(room, halo, context);
   } catch (const Cancelled&) {
     throw;
   } catch (const Error&) {
     const std::uint64_t most = most_about_a_node(halo);
-    const std::uint64_t bytes =
-        bytes_with_tile(most, plan_.bytes_per_point(), plan_.lattice) + bin_points_.size() * sizeof(bin_points_[0]);
+    const std::uint64_t bytes = bytes_with_tile(room.limit, most, plan_.bytes_per_point(), plan_.lattice) +
+                                bin_points_.size() * sizeof(bin_points_[0]);
     throw Error(
         ErrorKind::failure, {},
         fmt::format("{} points lie about a single node of the grid, which need about {} MB, more than the limit", most,
@@ -316,6 +319,23 @@ void TiledProjection::fit_tile(const Tile& tile, const Context& context, Project
     std::copy_n(rows.state.data() + from, count, grid.state.data() + to);
     if (!verdicts.empty()) std::copy_n(verdicts.data() + from, count, of_nodes.data() + to);
   }
+}
+
+/// Takes a tile that is finished, or measures it and keeps it; `finished` may be null.
+void TiledProjection::measure_tile(const Tile& tile, FinishedTiles* finished, const Context& context,
+                                   Projection& projection, std::vector<std::uint8_t>& of_nodes) const {
+  TileNodes nodes;
+  if (finished != nullptr && finished->take(tile, nodes) && nodes.verdicts.empty() == of_nodes.empty()) {
+    projection.scattered += nodes.scattered;
+    put_nodes(tile, nodes, projection.grid, of_nodes);
+    return;
+  }
+  const std::uint64_t before = projection.scattered;
+  fit_tile(tile, context, projection, of_nodes);
+  if (finished == nullptr) return;
+  nodes = take_nodes(tile, projection.grid, of_nodes);
+  nodes.scattered = projection.scattered - before;
+  finished->add(tile, nodes);
 }
 
 /// Takes outliers on surfaces seen edge-on out of what counts, some buckets behind the one that is classified: those of
@@ -411,15 +431,14 @@ void TiledProjection::decide_classes(const Context& context, Projection& project
   sums.write(projection);
 }
 
-Projection TiledProjection::run(std::uint64_t tile_points, const std::filesystem::path& folder,
-                                const Context& context) {
+Projection TiledProjection::run(const TileRoom& room, const std::filesystem::path& folder, const Context& context) {
   fill_buckets(folder, context);
   Projection projection = plan_.empty_projection();
-  const std::vector<Tile> tiles = own_tiles(cut(tile_points, context));
+  const std::vector<Tile> tiles = own_tiles(cut(room, context));
   std::vector<std::uint8_t> verdicts(plan_.discs ? plan_.lattice.count() : 0);
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     context.progress.at(kBucketed + (kFitted - kBucketed) * static_cast<double>(t) / static_cast<double>(tiles.size()));
-    fit_tile(tiles[t], context, projection, verdicts);
+    measure_tile(tiles[t], room.finished, context, projection, verdicts);
   }
   tile_memory_.clear();
   if (ranks_ != nullptr) bring_rows_together(projection, verdicts);

@@ -11,6 +11,8 @@
 #include "base/threads/thread_pool.h"
 #include "pipeline/cluster/ranks.h"
 #include "pipeline/outofcore/cloud_on_disk.h"
+#include "pipeline/outofcore/finished_tiles.h"
+#include "pipeline/outofcore/memory.h"
 #include "pipeline/outofcore/point_file.h"
 #include "pipeline/outofcore/tiles.h"
 #include "pipeline/projection/plan.h"
@@ -32,6 +34,14 @@ struct BucketedPoints {
   }
 };
 
+/// What the largest tile may be, of what limit that is left, and where tiles are kept that need not be measured again;
+/// null when none are.
+struct TileRoom {
+  std::uint64_t points = 0;
+  MemoryLimit limit;
+  FinishedTiles* finished = nullptr;
+};
+
 class TiledProjection {
  public:
   /// Goes through the cloud a few times for everything that is decided before a node is fitted. Throws as project().
@@ -41,11 +51,11 @@ class TiledProjection {
 
   [[nodiscard]] const ProjectionPlan& plan() const { return plan_; }
 
-  /// Sorts the points into buckets on disk, gives the cloud back, and measures tile by tile with at most `tile_points`
-  /// in memory. The projection's `point_class` stays empty. Once only. Throws Error{failure}, with the memory that
+  /// Sorts the points into buckets on disk, gives the cloud back, and measures tile by tile, each of at most
+  /// `room.points`. The projection's `point_class` stays empty. Once only. Throws Error{failure}, with the memory that
   /// would do, when one node's points are more. Among ranks the root has the whole projection; what the others return
   /// is of no use.
-  [[nodiscard]] Projection run(std::uint64_t tile_points, const std::filesystem::path& folder, const Context& context);
+  [[nodiscard]] Projection run(const TileRoom& room, const std::filesystem::path& folder, const Context& context);
 
   /// What a cross-check needs, after run().
   [[nodiscard]] BucketedPoints take_points() { return std::move(points_); }
@@ -69,12 +79,14 @@ class TiledProjection {
   [[nodiscard]] std::uint64_t taken_of(const BinWindow& bins) const;
   [[nodiscard]] std::vector<std::uint64_t> taken_of_columns(int first, int last) const;
   [[nodiscard]] std::uint64_t most_about_a_node(int halo) const;
-  [[nodiscard]] std::vector<Tile> cut_rows(std::uint64_t tile_points, int halo, const Context& context) const;
-  [[nodiscard]] std::vector<Tile> cut_counted(std::uint64_t tile_points, int halo, const Context& context) const;
-  [[nodiscard]] std::vector<Tile> cut(std::uint64_t tile_points, const Context& context);
+  [[nodiscard]] std::vector<Tile> cut_rows(const TileRoom& room, int halo, const Context& context) const;
+  [[nodiscard]] std::vector<Tile> cut_counted(const TileRoom& room, int halo, const Context& context) const;
+  [[nodiscard]] std::vector<Tile> cut(const TileRoom& room, const Context& context);
   [[nodiscard]] OrientedPoints load_tile(const Tile& tile, ThreadPool& pool) const;
   void fit_tile(const Tile& tile, const Context& context, Projection& projection,
                 std::vector<std::uint8_t>& of_nodes) const;
+  void measure_tile(const Tile& tile, FinishedTiles* finished, const Context& context, Projection& projection,
+                    std::vector<std::uint8_t>& of_nodes) const;
   void decide_classes(const Context& context, Projection& projection);
   class OutliersOfBuckets;
   [[nodiscard]] OrientedPoints orient(const PointRecords& records, ThreadPool& pool) const;

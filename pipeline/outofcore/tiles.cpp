@@ -33,10 +33,11 @@ class Axis {
     const int high = std::min(bins, last + BinLattice::kMargin + halo_);
     return {first, last, low, high, sum_[static_cast<std::size_t>(high)] - sum_[static_cast<std::size_t>(low)]};
   }
-  /// The longest range from `first` on with at most that many points; nothing when one node has more.
-  [[nodiscard]] std::optional<Range> longest(int first, std::uint64_t most_points) const {
+  /// The longest range of at most so many nodes from `first` on with at most that many points; nothing when one node
+  /// has more.
+  [[nodiscard]] std::optional<Range> longest(int first, std::uint64_t most_points, int most_nodes) const {
     int good = first;
-    int bad = nodes_ + 1;
+    int bad = (nodes_ - first <= most_nodes ? nodes_ : first + most_nodes) + 1;
     while (bad - good > 1) {
       const int middle = good + (bad - good) / 2;
       (range(first, middle).points <= most_points ? good : bad) = middle;
@@ -56,7 +57,7 @@ std::optional<std::vector<Tile>> cut_columns(const BinLattice& lattice, int halo
   const Axis columns(column_points, lattice.nx, halo);
   std::vector<Tile> tiles;
   for (int i = 0; i < lattice.nx;) {
-    const std::optional<Range> range = columns.longest(i, most_points);
+    const std::optional<Range> range = columns.longest(i, most_points, lattice.nx);
     if (!range) return std::nullopt;
     tiles.push_back({rows.first, rows.last, range->first, range->last,
                      BinWindow{rows.first_bin, rows.last_bin, range->first_bin, range->last_bin}, range->points});
@@ -67,15 +68,16 @@ std::optional<std::vector<Tile>> cut_columns(const BinLattice& lattice, int halo
 
 }  // namespace
 
-std::vector<Tile> cut_into_tiles(const BinLattice& lattice, int halo, std::uint64_t most_points,
+std::vector<Tile> cut_into_tiles(const BinLattice& lattice, int halo, std::uint64_t most_points, int most_rows,
                                  const std::vector<std::uint64_t>& row_points,
                                  const std::function<std::vector<std::uint64_t>(int first, int last)>& column_points) {
   const Axis rows(row_points, lattice.ny, halo);
   // Lower bands would read more halo than nodes.
   const int least = 4 * halo;
+  const int most = std::max({1, least, most_rows});
   std::vector<Tile> tiles;
   for (int j = 0; j < lattice.ny;) {
-    const std::optional<Range> whole = rows.longest(j, most_points);
+    const std::optional<Range> whole = rows.longest(j, most_points, most);
     if (whole && (whole->last - j >= least || whole->last == lattice.ny)) {
       tiles.push_back({whole->first, whole->last, 0, lattice.nx,
                        BinWindow{whole->first_bin, whole->last_bin, 0, lattice.bins_x()}, whole->points});

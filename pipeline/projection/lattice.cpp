@@ -8,11 +8,13 @@
 
 #include "base/error.h"
 #include "base/system.h"
+#include "base/system/disk_arrays.h"
 
 namespace sparsha::pipeline {
 namespace {
 
-constexpr double kMostNodes = 2147483648.0;
+constexpr double kMostAlong = 16777216.0;  // as scene.yaml allows
+constexpr double kMostNodes = 1099511627776.0;
 // What a scene's description can say; a hand's scale over either would be no number of use.
 constexpr double kLeastSpacing_m = 1e-12;
 constexpr double kMostSpacing_m = 1e6;
@@ -104,11 +106,12 @@ scene::Lattice choose_lattice(const scene::GridConfig& config, const Extent& ext
   const double ny = nodes_along(cover.height_m, lattice.spacing_m, cover.slack);
   const std::string grid = "a grid of " + shortly(nx) + " x " + shortly(ny) + " nodes";
   if (nx < 2.0 || ny < 2.0) throw no_cell(config, cover, lattice.spacing_m, own_spacing_m);
-  if (!(nx * ny <= kMostNodes)) {
-    throw usage_error(grid + " is too large", "at most 2^31 nodes; a smaller grid.size or larger grid.spacing_mm");
+  if (!(std::max(nx, ny) <= kMostAlong && nx * ny <= kMostNodes)) {
+    throw usage_error(grid + " is too large",
+                      "at most 2^24 nodes along a side and 2^40 in all; a smaller grid.size or larger grid.spacing_mm");
   }
   const auto memory = static_cast<double>(system::physical_memory_bytes());
-  if (memory > 0.0 && nx * ny * kBytesPerNode > 0.8 * memory) {
+  if (memory > 0.0 && !system::has_disk_arrays() && nx * ny * kBytesPerNode > 0.8 * memory) {
     throw usage_error(grid + " does not fit the " + shortly(memory / 1e9) + " GB of this machine",
                       "a smaller grid.size or larger grid.spacing_mm");
   }

@@ -17,6 +17,7 @@
 #include "scene/folder/layer_file.h"
 #include "scene/folder/layers.h"
 #include "scene/folder/sheets_file.h"
+#include "scene/folder/vrt_file.h"
 #include "scene/ground/window_lattice.h"
 #include "scene/scene.h"
 
@@ -27,6 +28,7 @@ namespace {
 
 constexpr int kFormatVersion = 1;
 constexpr const char* kErrorLayer = "error.tif";
+constexpr const char* kVrtFile = "level.vrt";
 constexpr const char* kChartsFile = "charts.bin";
 
 fs::path level_folder(const fs::path& folder, std::size_t level) { return folder / fmt::format("level-{}", level); }
@@ -351,6 +353,7 @@ void write_level(const Layers& layers, const SceneDescription& scene, const fs::
   const int ny = lattice.ny;
   write_layer(folder / "height.tif", nx, ny, std::span<const float>(layers.grid.height_m));
   write_file(folder / "height.tfw", world_file(lattice, scene));
+  write_file(folder / kVrtFile, vrt_file(lattice, scene, layer_names(scene)));
   static_assert(sizeof(NodeState) == 1, "a mask is the states' bytes");
   const auto* mask = reinterpret_cast<const std::uint8_t*>(layers.grid.state.data());
   write_layer(folder / "mask.tif", nx, ny, std::span<const std::uint8_t>(mask, lattice.count()));
@@ -425,6 +428,7 @@ std::vector<fs::path> layer_files(const SceneDescription& scene) {
     const fs::path folder = level_folder({}, level);
     for (const std::string& name : layer_names(scene)) files.push_back(folder / (name + ".tif"));
     files.push_back(folder / "height.tfw");
+    files.push_back(folder / kVrtFile);
   }
   if (scene.check_map) files.emplace_back(kErrorLayer);
   if (scene.charts) files.emplace_back(kChartsFile);

@@ -201,18 +201,19 @@ bool keeps_scan_axes(const SceneDescription& scene) {
          std::abs(scan_from_grid(1, 2)) <= slack;
 }
 
-std::string world_file(const Lattice& lattice, const SceneDescription& scene) {
+RasterPlace raster_place(const Lattice& lattice, const SceneDescription& scene) {
   const Eigen::Matrix4d& scan_from_grid = scene.scan_from_grid;
-  double scale = 1.0;
-  double x = lattice.x_m(0);
-  double y = lattice.y_m(lattice.ny - 1);
+  RasterPlace place{lattice.x_m(0), lattice.y_m(lattice.ny - 1), lattice.spacing_m};
   if (keeps_scan_axes(scene)) {
-    scale = scan_from_grid(0, 0);
-    x = scale * x + scan_from_grid(0, 3);
-    y = scale * y + scan_from_grid(1, 3);
+    const double scale = scan_from_grid(0, 0);
+    place = {scale * place.x + scan_from_grid(0, 3), scale * place.y + scan_from_grid(1, 3), scale * place.step};
   }
-  const double step = scale * lattice.spacing_m;
-  return fmt::format("{:.12g}\n0\n0\n{:.12g}\n{:.17g}\n{:.17g}\n", step, -step, x, y);
+  return place;
+}
+
+std::string world_file(const Lattice& lattice, const SceneDescription& scene) {
+  const RasterPlace place = raster_place(lattice, scene);
+  return fmt::format("{:.12g}\n0\n0\n{:.12g}\n{:.17g}\n{:.17g}\n", place.step, -place.step, place.x, place.y);
 }
 
 }  // namespace sparsha::scene

@@ -37,8 +37,13 @@ void read_layer(const std::filesystem::path& file, const LayerRegion& region, st
 void read_layer(const std::filesystem::path& file, const LayerRegion& region, std::span<std::uint8_t> values);
 void read_layer(const std::filesystem::path& file, const LayerRegion& region, std::span<std::uint32_t> pixels);
 
-/// The six lines of a world file for `lattice`: A, D, B, E, C, F with C, F the centre of the top-left pixel = node
-/// (0, ny-1) and E < 0. In the scan frame when x and y stay the scan's axes, else in the grid frame.
+/// Where the picture of a level lies: the centre of the top-left pixel = node (0, ny-1), and the distance of nodes. In
+/// the scan frame when x and y stay the scan's axes, else in the grid frame.
+struct RasterPlace {
+  double x = 0.0, y = 0.0, step = 0.0;
+};
+[[nodiscard]] RasterPlace raster_place(const Lattice& lattice, const SceneDescription& scene);
+/// The six lines of a world file for `lattice`: A, D, B, E, C, F with C, F as raster_place() and E < 0.
 [[nodiscard]] std::string world_file(const Lattice& lattice, const SceneDescription& scene);
 /// True when grid x and y point along scan x and y with one positive scale; never of an unrolled scene.
 [[nodiscard]] bool keeps_scan_axes(const SceneDescription& scene);

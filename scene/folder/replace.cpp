@@ -28,7 +28,8 @@ constexpr std::array<std::string_view, 14> kTopFiles = {
     "coverage.png", "error.png",   "filters.png", "around.png", "error.tif",  "charts.bin",  kNotesFile};
 
 bool is_layer_file(const std::string& name) {
-  if (name == "height.tif" || name == "height.tfw" || name == "mask.tif" || name == "colour.tif") return true;
+  if (name == "height.tif" || name == "height.tfw" || name == "level.vrt" || name == "mask.tif" || name == "colour.tif")
+    return true;
   return std::any_of(kFloatLayers.begin(), kFloatLayers.end(),
                      [&](const OptionalLayer& layer) { return name == std::string(layer.name) + ".tif"; });
 }

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """memory_limit_test.py SPARSHA: builds of many sizes under many limits of --memory keep to them within 5 %, by the peak
 that the system counts for the process; or they end with an error that names the memory that is needed, and that is
-enough. Meshes are refused before they are in memory."""
+enough. Meshes are refused before they are in memory. Grids that do not fit lie in files, with the same bytes."""
 import array
+import filecmp
 import os
 import random
 import re
@@ -81,6 +82,33 @@ def peak_of(arguments, folder):
         return process.returncode, usage.ru_maxrss * 1024, err.read()
 
 
+def layers_of(scene):
+    return sorted(os.path.relpath(os.path.join(place, name), scene) for place, _, names in os.walk(scene)
+                  for name in names if name == "scene.yaml" or name.endswith(".tif"))
+
+
+def grids_on_disk(folder, limit_mb):
+    """What is wrong with grids of two and of five million nodes, 72 and 150 MB, under a limit that is below both."""
+    failures = []
+    for size in (1600, 2300):
+        with open(os.path.join(folder, "large.yaml"), "w") as config:
+            config.write(f"scans: [{{file: wavy.ply, units: m}}]\ngrid: {{size: {size}}}\nfill: {{max_gap_mm: 5}}\n"
+                         "texture: {}\nfriction: {law: curvature}\ncheck: {samples: 20000}\n")
+        # Points on disk as well, and nodes in memory.
+        for out, more in (("disk", ["--memory", f"{limit_mb}MB"]), ("nodes", ["--resume"])):
+            code, peak, text = peak_of(["build", "large.yaml", "--out", out + str(size), "--force", *more], folder)
+            if code != 0:
+                return failures + [f"{size} nodes, {more}: exit {code}, {text}"]
+            if (peak > 1.05e6 * limit_mb) != (out == "nodes"):
+                failures.append(f"{size} nodes, {more}: peak {peak / 1e6:.0f} MB")
+        disk, nodes = (os.path.join(folder, out + str(size)) for out in ("disk", "nodes"))
+        if layers_of(disk) != layers_of(nodes):
+            failures.append(f"{size} nodes: other layers on disk")
+        failures += [f"{size} nodes: {name} differs" for name in layers_of(disk)
+                     if not filecmp.cmp(os.path.join(disk, name), os.path.join(nodes, name), shallow=False)]
+    return failures
+
+
 def main():
     failures = []
     random_ = random.Random(7)
@@ -98,6 +126,8 @@ def main():
             if peak > 1.05e6 * limit_mb:
                 failures.append(f"{name}, {size} nodes, limit {limit_mb} MB: peak {peak / 1e6:.0f} MB, exit {code}")
             return code, text
+
+        failures += grids_on_disk(folder, 115)
 
         # The points about a node of a closed object do not fit: said before they go to disk.
         code, text = build("ball.ply", 6, 76)

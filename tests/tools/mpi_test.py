@@ -56,6 +56,18 @@ def refusal_is_said_once(folder):
     assert not (folder / "shared").exists()
 
 
+def other_commands_are_refused_by_name(folder):
+    for words in (["info", str(CONFIG)], ["export", "scene", "--to", "a.ply"], ["build", str(CONFIG), "--resume"]):
+        run = subprocess.run(["mpirun", "-n", "3", PROGRAM, *words], capture_output=True, text=True, timeout=60,
+                             env=environment(), cwd=folder)
+        assert run.returncode == 2, run
+        assert run.stderr.count("error:") == 1 and (words[0] in run.stderr or "--resume" in run.stderr), run.stderr
+    run = subprocess.run(["mpirun", "-n", "1", PROGRAM, "--version"], capture_output=True, text=True, timeout=60,
+                         env=environment())
+    assert run.returncode == 0, run
+    assert not list(folder.iterdir()), "something was written"
+
+
 def file_that_one_rank_cannot_read_is_named(folder):
     ply = folder / "plane.ply"
     points = "".join(f"{i % 40} {i // 40} {(i * 7) % 3 * 0.1}\n" for i in range(1600))
@@ -134,6 +146,7 @@ def main():
         return 77
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
+        other_commands_are_refused_by_name(folder)
         same_bytes(folder)
         refusal_is_said_once(folder)
         file_that_one_rank_cannot_read_is_named(folder)

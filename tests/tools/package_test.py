@@ -54,13 +54,16 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         work = pathlib.Path(name)
         made = packages(work / "first")
-        assert sorted(made) == ["libsparsha-dev", "sparsha"], made
+        assert sorted(made) in (["libsparsha-dev", "sparsha"], ["libsparsha-dev", "sparsha", "sparsha-mpi"]), made
         again = packages(work / "second")
         for package, path in made.items():
             assert path.read_bytes() == again[package].read_bytes(), f"{package}: two runs give other bytes"
 
         depends = run("dpkg-deb", "-f", made["sparsha"], "Depends")
-        assert "libc6" in depends and not re.search(r"-dev\b|vtk|qt|gdal", depends), depends
+        assert "libc6" in depends and not re.search(r"-dev\b|vtk|qt|gdal|mpi", depends), depends
+        if "sparsha-mpi" in made:
+            depends = run("dpkg-deb", "-f", made["sparsha-mpi"], "Depends")
+            assert "mpi" in depends and "sparsha (= " in depends, depends
 
         root, admin = work / "root", work / "root/var/lib/dpkg"
         for folder in (root / "home/user/sparsha-scenes", admin / "updates", admin / "info"):
@@ -78,6 +81,8 @@ def main():
                   "usr/share/metainfo/org.sparsha.sparsha.metainfo.xml", "usr/lib/udev/rules.d/40-novint-falcon.rules",
                   "usr/share/doc/sparsha/copyright", "usr/share/doc/libsparsha-dev/copyright", "usr/include/sparsha/servo.h",
                   "usr/lib/cmake/Sparsha/SparshaConfig.cmake"]
+        if "sparsha-mpi" in made:
+            wanted += ["usr/lib/sparsha/libsparsha_mpi.so", "usr/share/doc/sparsha-mpi/copyright"]
         missing = [path for path in wanted if path not in installed]
         assert not missing, missing
         use(root, work)

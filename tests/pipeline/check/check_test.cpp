@@ -70,11 +70,10 @@ TEST(SurfaceIndex, FindsTheNearestCellOfRoughGroundWithSpikes) {
   for (const double spike : {0.0, 0.05, 3.0}) {
     const scene::DepthGrid grid = rough_grid(lattice_of(30, 22, 0.001), spike, 5);
     const SurfaceIndex surface(grid);
-    SurfaceIndex::Scratch scratch;
     for (int k = 0; k < 60; ++k) {
       const Eigen::Vector3d p(0.029 * unit(random), 0.021 * unit(random),
                               0.02 * unit(random) + (k % 5 == 0 ? spike / 2 : 0.0));
-      const double found = surface.distance(p.x(), p.y(), p.z(), scratch).distance_m;
+      const double found = surface.distance(p.x(), p.y(), p.z()).distance_m;
       const double oracle = sampled_distance(grid, p, 24);
       ASSERT_LE(found, oracle * (1 + 1e-9));
       // Half a sample's diagonal on the steepest cells is spike / 24; on the others the slack is far smaller.
@@ -86,12 +85,11 @@ TEST(SurfaceIndex, FindsTheNearestCellOfRoughGroundWithSpikes) {
 TEST(SurfaceIndex, AgreesWithTheWalkAcrossTheLattice) {
   const scene::DepthGrid grid = rough_grid(lattice_of(90, 70, 0.002), 0.004, 6);
   const SurfaceIndex surface(grid);
-  SurfaceIndex::Scratch scratch;
   std::mt19937 random(18);
   std::uniform_real_distribution<double> unit(-0.1, 1.1);
   for (int k = 0; k < 4000; ++k) {
     const double x = 0.178 * unit(random), y = 0.138 * unit(random), z = 0.06 * unit(random) - 0.01;
-    const SurfaceDistance tree = surface.distance(x, y, z, scratch), walk = surface.distance_by_walking(x, y, z, 200);
+    const SurfaceDistance tree = surface.distance(x, y, z), walk = surface.distance_by_walking(x, y, z, 200);
     ASSERT_NEAR(tree.distance_m, walk.distance_m, 1e-9) << x << ' ' << y << ' ' << z;
   }
 }
@@ -99,16 +97,14 @@ TEST(SurfaceIndex, AgreesWithTheWalkAcrossTheLattice) {
 TEST(SurfaceIndex, SignsDistancesTowardsTheViewer) {
   const scene::DepthGrid grid = grid_of(lattice_of(10, 10, 0.01), [](double x, double) { return 2 * x; });
   const SurfaceIndex surface(grid);
-  SurfaceIndex::Scratch scratch;
-  EXPECT_GT(surface.distance(0.05, 0.05, 0.12, scratch).signed_m, 0);
-  EXPECT_LT(surface.distance(0.05, 0.05, 0.08, scratch).signed_m, 0);
+  EXPECT_GT(surface.distance(0.05, 0.05, 0.12).signed_m, 0);
+  EXPECT_LT(surface.distance(0.05, 0.05, 0.08).signed_m, 0);
 }
 
 TEST(SurfaceIndex, IsInfinitelyFarFromNoSurface) {
   const scene::DepthGrid grid(lattice_of(10, 10, 0.01));
   const SurfaceIndex surface(grid);
-  SurfaceIndex::Scratch scratch;
-  EXPECT_TRUE(std::isinf(surface.distance(0, 0, 0, scratch).distance_m));
+  EXPECT_TRUE(std::isinf(surface.distance(0, 0, 0).distance_m));
 }
 
 TEST(NearestPoint, AgreesWithBruteForceForDenseSparseAndDistantClouds) {
@@ -122,8 +118,8 @@ TEST(NearestPoint, AgreesWithBruteForceForDenseSparseAndDistantClouds) {
       xyz.push_back(static_cast<float>(1.6 * unit(random) * (offset > 0 ? 0.1 : 1)));
       xyz.push_back(static_cast<float>(0.05 * unit(random)));
     }
-    std::vector<std::uint32_t> nodes;
-    for (std::uint32_t n = 0; n < grid.lattice.count(); n += 1 + static_cast<std::uint32_t>(random() % 20))
+    std::vector<std::uint64_t> nodes;
+    for (std::uint64_t n = 0; n < grid.lattice.count(); n += 1 + random() % 20)
       if (grid.state[n] == scene::NodeState::measured) nodes.push_back(n);
     ThreadPool pool(2);
     const BandedPoints points(
@@ -137,7 +133,8 @@ TEST(NearestPoint, AgreesWithBruteForceForDenseSparseAndDistantClouds) {
     const std::vector<float> found = nearest_point_distances(grid, nodes, points.counted(), 0.01, pool);
     ASSERT_EQ(found.size(), nodes.size());
     for (std::size_t k = 0; k < nodes.size(); ++k) {
-      const Eigen::Vector3d node((nodes[k] % 120) * 0.01, (nodes[k] / 120) * 0.01, grid.height_m[nodes[k]]);
+      const Eigen::Vector3d node(static_cast<double>(nodes[k] % 120) * 0.01, static_cast<double>(nodes[k] / 120) * 0.01,
+                                 grid.height_m[nodes[k]]);
       double best = std::numeric_limits<double>::infinity();
       for (std::size_t p = 0; p < xyz.size(); p += 3)
         best = std::min(best, (node - Eigen::Vector3d(xyz[p], xyz[p + 1], xyz[p + 2])).norm());
@@ -156,8 +153,8 @@ TEST(NearestPoint, OfManyPointsToANodeAreThoseOfBruteForceInAnyOrder) {
   for (int k = 0; k < 12 * kNx * kNy; ++k)
     cloud.push_back({static_cast<float>(0.06 * unit(random)), static_cast<float>(0.25 * unit(random) - 0.02),
                      static_cast<float>(0.05 * unit(random))});
-  std::vector<std::uint32_t> nodes;
-  for (std::uint32_t n = 0; n < grid.lattice.count(); ++n)
+  std::vector<std::uint64_t> nodes;
+  for (std::uint64_t n = 0; n < grid.lattice.count(); ++n)
     if (grid.state[n] == scene::NodeState::measured) nodes.push_back(n);
   ThreadPool pool(2);
   const auto distances = [&] {
@@ -172,7 +169,8 @@ TEST(NearestPoint, OfManyPointsToANodeAreThoseOfBruteForceInAnyOrder) {
   };
   const std::vector<float> found = distances();
   for (std::size_t k = 0; k < nodes.size(); ++k) {
-    const Eigen::Vector3d node((nodes[k] % kNx) * 0.01, (nodes[k] / kNx) * 0.01, grid.height_m[nodes[k]]);
+    const Eigen::Vector3d node(static_cast<double>(nodes[k] % kNx) * 0.01, static_cast<double>(nodes[k] / kNx) * 0.01,
+                               grid.height_m[nodes[k]]);
     double best = std::numeric_limits<double>::infinity();
     for (const std::array<float, 3>& p : cloud)
       best = std::min(best, (node - Eigen::Vector3d(p[0], p[1], p[2])).norm());
@@ -226,6 +224,22 @@ TEST(Statistics, SamplesHaveTheSizeThatWasAskedFor) {
   EXPECT_EQ(size(0), 10000U);
   EXPECT_EQ(size(20000), 10000U);
   EXPECT_EQ(size_of(100, 10, [](std::size_t) { return std::uint64_t{42}; }), 10U);
+}
+
+TEST(Statistics, SamplesNameItemsBeyondFourThousandMillion) {
+  // Numbers that 32 bits would cut to others, or to the same.
+  constexpr std::uint64_t kFirst = (std::uint64_t{1} << 32U) - 3, kCount = 1000;
+  const std::vector<std::uint64_t> sample = choose_sample(kCount, 50, [&](const auto& offer) {
+    for (std::uint64_t n = kFirst; n < kFirst + kCount; ++n) offer(hash_word(n), n);
+  });
+  ASSERT_EQ(sample.size(), 50U);
+  std::vector<std::uint64_t> expected(kCount);
+  std::iota(expected.begin(), expected.end(), kFirst);
+  std::sort(expected.begin(), expected.end(),
+            [](std::uint64_t a, std::uint64_t b) { return hash_word(a) < hash_word(b); });
+  expected.resize(50);
+  std::sort(expected.begin(), expected.end());
+  EXPECT_EQ(sample, expected);
 }
 
 /// A noisy plane with outliers, seen through a turned scan frame with a large origin.

@@ -63,7 +63,6 @@ void expect_true_distances(const scene::DepthGrid& grid, int points, std::mt1993
   const scene::Lattice& l = grid.lattice;
   const double spacing = l.spacing_m;
   const SurfaceIndex surface(grid);
-  SurfaceIndex::Scratch scratch;
   std::uniform_real_distribution<double> unit(0, 1), around(-1, 1);
   for (int k = 0; k < points; ++k) {
     const double x = unit(random) * (l.nx - 1), y = unit(random) * (l.ny - 1);
@@ -71,7 +70,7 @@ void expect_true_distances(const scene::DepthGrid& grid, int points, std::mt1993
     const double reach = k % 3 == 0 ? 0.01 : k % 3 == 1 ? 3 : 60;
     const Vector3d p = spacing * Vector3d(x + reach * around(random), y + reach * around(random),
                                           (std::isnan(height) ? 0 : height / spacing) + reach * around(random));
-    const double found = surface.distance(p.x(), p.y(), p.z(), scratch).distance_m;
+    const double found = surface.distance(p.x(), p.y(), p.z()).distance_m;
     const double truth = distance_to_all_cells(p, grid);
     // Thirds end where distances differ by no more than rounding: some 1e-16 of the distance's square.
     ASSERT_NEAR(found, truth, 1e-6 * spacing + 1e-7 * truth)
@@ -148,12 +147,11 @@ TEST(SurfaceIndex, FindsTheNearestCellFarFromTheLatticesOrigin) {
 }
 
 TEST(SurfaceIndex, ARowOfNodesIsNoSurface) {
-  SurfaceIndex::Scratch scratch;
   for (const auto& [nx, ny] : {std::pair{1, 1}, {1, 40}, {40, 1}}) {
     scene::DepthGrid grid(lattice_of(nx, ny, 0.01));
     std::fill(grid.height_m.begin(), grid.height_m.end(), 0.0F);
     const SurfaceIndex surface(grid);
-    EXPECT_TRUE(std::isinf(surface.distance(0.01, 0, 0, scratch).distance_m)) << nx << " x " << ny;
+    EXPECT_TRUE(std::isinf(surface.distance(0.01, 0, 0).distance_m)) << nx << " x " << ny;
   }
 }
 

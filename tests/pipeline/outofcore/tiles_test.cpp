@@ -24,11 +24,11 @@ struct Density {
     return points[static_cast<std::size_t>(row) * static_cast<std::size_t>(lattice.bins_x()) +
                   static_cast<std::size_t>(column)];
   }
-  [[nodiscard]] std::vector<Tile> cut(int halo, std::uint64_t most) {
+  [[nodiscard]] std::vector<Tile> cut(int halo, std::uint64_t most, int most_rows = 1 << 30) {
     std::vector<std::uint64_t> rows(static_cast<std::size_t>(lattice.bins_y()), 0);
     for (int row = 0; row < lattice.bins_y(); ++row)
       for (int column = 0; column < lattice.bins_x(); ++column) rows[static_cast<std::size_t>(row)] += at(column, row);
-    return cut_into_tiles(lattice, halo, most, rows, [&](int first, int last) {
+    return cut_into_tiles(lattice, halo, most, most_rows, rows, [&](int first, int last) {
       std::vector<std::uint64_t> columns(static_cast<std::size_t>(lattice.bins_x()), 0);
       for (int row = first; row < last; ++row)
         for (int column = 0; column < lattice.bins_x(); ++column)
@@ -73,6 +73,39 @@ TEST(Tiles, AreBandsOfRowsWhereMemoryAllows) {
   for (std::uint64_t& count : density.points) count = 4;
   EXPECT_EQ(density.cut(5, 100000).size(), 1U);
   for (const Tile& tile : density.cut(5, 20000)) EXPECT_EQ(tile.last_column - tile.first_column, 100);
+}
+
+TEST(Tiles, AreNoHigherThanAskedForUnlessTheirHalosAre) {
+  Density density(60, 500);
+  for (std::uint64_t& count : density.points) count = 1;
+  for (const auto& [asked, height] : {std::pair{70, 70}, {3, 20}, {500, 500}}) {
+    const std::vector<Tile> tiles = density.cut(5, 1'000'000, asked);
+    density.check(tiles, 5, 1'000'000);
+    for (const Tile& tile : tiles) EXPECT_LE(tile.last_row - tile.first_row, height);
+    EXPECT_EQ(tiles.front().last_row, height);
+  }
+}
+
+TEST(Tiles, OfGridsWithMoreThan32BitsOfNodesAndPointsCoverEachRowOnce) {
+  BinLattice lattice;
+  lattice.nx = lattice.ny = 100'000;  // 10^10 nodes
+  lattice.spacing_m = 1.0;
+  const std::vector<std::uint64_t> rows(static_cast<std::size_t>(lattice.bins_y()), 200'000);  // 2 * 10^10 points
+  EXPECT_GT(lattice.bin_count(), 10'000'000'000U);
+  EXPECT_EQ(lattice.bin(lattice.nx + BinLattice::kMargin - 1, lattice.ny + BinLattice::kMargin - 1),
+            lattice.bin_count() - 1);
+  constexpr std::uint64_t kMost = std::uint64_t{6} << 30U;
+  const std::vector<Tile> tiles =
+      cut_into_tiles(lattice, 5, kMost, lattice.ny, rows, [](int, int) { return std::vector<std::uint64_t>(); });
+  ASSERT_GT(tiles.size(), 1U);
+  EXPECT_GT(tiles.front().points, std::uint64_t{1} << 32U);
+  int row = 0;
+  for (const Tile& tile : tiles) {
+    EXPECT_EQ(tile.first_row, row);
+    EXPECT_EQ(tile.points, 200'000U * static_cast<std::uint64_t>(tile.bins.last_row - tile.bins.first_row));
+    row = tile.last_row;
+  }
+  EXPECT_EQ(row, lattice.ny);
 }
 
 TEST(Tiles, AnOverfullBandIsCutIntoColumns) {

@@ -1,0 +1,227 @@
+// Arrays are shared mappings of unlinked files: dropping their pages loses nothing, since the system keeps what was
+// written and brings it back when it is touched. A thread watches the resident set.
+#include "base/system/disk_arrays.h"
+
+#include "base/error.h"
+
+#if defined(__linux__)
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <cstring>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+#endif
+
+namespace sparsha::system {
+
+#if defined(__linux__)
+
+namespace {
+
+struct Array {
+  void* data;
+  std::size_t bytes;
+};
+
+// Arrays of this process, of a DiskArrays that is in force or has gone.
+struct Arrays {
+  std::mutex mutex;
+  std::vector<Array> all;
+  std::string folder;  ///< set while none is in force
+  int error = 0;       ///< errno of the first array that got no room
+};
+Arrays& arrays() {
+  static auto* const kArrays = new Arrays;  // never destroyed: statics may be freed later
+  return *kArrays;
+}
+std::atomic<bool> allowed{false};
+std::atomic<bool> in_force{false};
+std::atomic<std::size_t> count{0};
+
+std::size_t page_bytes() noexcept {
+  static const auto kBytes = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  return kBytes;
+}
+
+// A file of that size, with room on the disk for all of it, without a name; or -1 and errno.
+int open_file(const std::string& folder, std::size_t bytes) {
+  std::string name = folder + "/.sparsha-XXXXXX";
+  const int file = ::mkostemp(name.data(), O_CLOEXEC);
+  if (file < 0) return -1;
+  ::unlink(name.c_str());
+  // A page without room on the disk would end the program when it is written to.
+  const int error = ::posix_fallocate(file, 0, static_cast<off_t>(bytes));
+  if (error == 0) return file;
+  ::close(file);
+  errno = error;
+  return -1;
+}
+
+void* map_new_file(const std::string& folder, std::size_t bytes) {
+  const int file = open_file(folder, bytes);
+  if (file < 0) return nullptr;
+  void* const data = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+  const int error = errno;
+  ::close(file);
+  errno = error;
+  return data == MAP_FAILED ? nullptr : data;
+}
+
+struct Resident {
+  std::uint64_t all = 0;
+  std::uint64_t of_files = 0;
+};
+
+class Statm {
+ public:
+  Statm() : file_(::open("/proc/self/statm", O_RDONLY | O_CLOEXEC)) {}
+  ~Statm() { ::close(file_); }
+  Statm(const Statm&) = delete;
+  Statm& operator=(const Statm&) = delete;
+
+  [[nodiscard]] Resident now() const {
+    std::array<char, 200> text{};
+    unsigned long long size = 0, all = 0, of_files = 0;
+    if (::pread(file_, text.data(), text.size() - 1, 0) <= 0 ||
+        std::sscanf(text.data(), "%llu %llu %llu", &size, &all, &of_files) != 3)
+      return {};
+    return {all * page_bytes(), of_files * page_bytes()};
+  }
+
+ private:
+  int file_;
+};
+
+void drop_pages() {
+  const std::lock_guard lock(arrays().mutex);
+  for (const Array& array : arrays().all) ::madvise(array.data, array.bytes, MADV_DONTNEED);
+}
+
+}  // namespace
+
+void allow_disk_arrays() noexcept { allowed.store(true); }
+bool has_disk_arrays() noexcept { return allowed.load(); }
+
+bool wants_disk_array(std::size_t bytes) noexcept {
+  return bytes >= kLeastDiskArray && in_force.load(std::memory_order_relaxed);
+}
+
+void* take_disk_array(std::size_t bytes) noexcept try {
+  const std::size_t whole = (bytes + page_bytes() - 1) / page_bytes() * page_bytes();
+  Arrays& ours = arrays();
+  void* const data = map_new_file(ours.folder, whole);
+  const int error = errno;
+  const std::lock_guard lock(ours.mutex);
+  if (data == nullptr) {
+    if (ours.error == 0) ours.error = error;
+    return nullptr;
+  }
+  ours.all.push_back({data, whole});
+  count.store(ours.all.size());
+  return data;
+} catch (const std::exception&) {
+  return nullptr;
+}
+
+bool give_disk_array(void* array) noexcept {
+  // Blocks of the heap never begin where a page does.
+  if (count.load(std::memory_order_relaxed) == 0 || reinterpret_cast<std::uintptr_t>(array) % page_bytes() != 0)
+    return false;
+  Arrays& ours = arrays();
+  const std::lock_guard lock(ours.mutex);
+  const auto found =
+      std::find_if(ours.all.begin(), ours.all.end(), [&](const Array& known) { return known.data == array; });
+  if (found == ours.all.end()) return false;
+  ::munmap(found->data, found->bytes);
+  ours.all.erase(found);
+  count.store(ours.all.size());
+  return true;
+}
+
+struct DiskArrays::Implementation {
+  std::mutex mutex;
+  std::condition_variable ending;
+  bool ends = false;
+  std::thread watcher;
+
+  // Drops all pages when there are too many, as soon as there are enough of them again to be worth it.
+  void watch(std::uint64_t most_bytes) {
+    constexpr std::chrono::milliseconds kPause(1);
+    constexpr std::uint64_t kWorthIt = std::uint64_t{16} << 20U;
+    const Statm statm;
+    std::uint64_t kept = 0;  // resident bytes of files when pages were dropped last
+    std::unique_lock lock(mutex);
+    while (!ending.wait_for(lock, kPause, [&] { return ends; })) {
+      const Resident now = statm.now();
+      kept = std::min(kept, now.of_files);
+      if (now.all <= most_bytes || now.of_files < kept + kWorthIt) continue;
+      drop_pages();
+      kept = statm.now().of_files;
+    }
+  }
+};
+
+DiskArrays::DiskArrays(const std::filesystem::path& folder, std::uint64_t resident_bytes)
+    : implementation_(std::make_unique<Implementation>()) {
+  {
+    const std::lock_guard lock(arrays().mutex);
+    arrays().folder = folder.empty() ? "." : folder.string();
+    arrays().error = 0;
+  }
+  void* const trial = take_disk_array(page_bytes());
+  throw_if_disk_was_full();
+  (void)give_disk_array(trial);
+  // What is written between two looks comes on top.
+  const std::uint64_t trigger_bytes = resident_bytes - resident_bytes / 5;
+  implementation_->watcher =
+      std::thread([implementation = implementation_.get(), trigger_bytes] { implementation->watch(trigger_bytes); });
+  in_force.store(true);
+}
+
+DiskArrays::~DiskArrays() {
+  in_force.store(false);
+  {
+    const std::lock_guard lock(implementation_->mutex);
+    implementation_->ends = true;
+  }
+  implementation_->ending.notify_all();
+  implementation_->watcher.join();
+}
+
+void throw_if_disk_was_full() {
+  const std::lock_guard lock(arrays().mutex);
+  if (arrays().error == 0) return;
+  throw Error(ErrorKind::failure, {arrays().folder, 0, 0},
+              std::string("a temporary file in this folder fails: ") + std::strerror(arrays().error),
+              "room on the disk and a folder that can be written to");
+}
+
+#else
+
+void allow_disk_arrays() noexcept {}
+bool has_disk_arrays() noexcept { return false; }
+bool wants_disk_array(std::size_t) noexcept { return false; }
+void* take_disk_array(std::size_t) noexcept { return nullptr; }
+bool give_disk_array(void*) noexcept { return false; }
+
+struct DiskArrays::Implementation {};
+DiskArrays::DiskArrays(const std::filesystem::path& folder, std::uint64_t) {
+  throw Error(ErrorKind::failure, {folder.string(), 0, 0}, "this system keeps no arrays in files", "Linux");
+}
+DiskArrays::~DiskArrays() = default;
+void throw_if_disk_was_full() {}
+
+#endif
+
+}  // namespace sparsha::system
