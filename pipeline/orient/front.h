@@ -30,8 +30,8 @@ struct Standing {
 [[nodiscard]] Standing customary_standing(bool z_up);
 /// How an object stands: from floor to ceiling where it is a room (see room_of()); else the axis of the scan, or the
 /// normal of its flat base, over the largest foot: what the lowest 3 % of its height would stand on, as a share of its
-/// outline from above. Custom is left only for a foot that is larger by a third of the outline than the one that it
-/// would give. Empty when it has no extent.
+/// outline from above. Beside it count custom, worth a third of the outline, and how much like a face the best view
+/// around that axis is: what lies on its side shows none. Empty when it has no extent.
 [[nodiscard]] std::optional<Standing> standing_of(const EvenPoints& object, bool z_up);
 
 /// Of horizontal views, the one in which carving is most like its own mirror image, changes most along the mirror axis

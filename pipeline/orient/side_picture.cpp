@@ -95,60 +95,119 @@ std::vector<float> smoothed(const SidePicture& picture, double sigma) {
   return mean;
 }
 
-}  // namespace
+struct Box {
+  Eigen::Vector3d low, high;
+  [[nodiscard]] Eigen::Vector3d middle() const { return 0.5 * (low + high); }
+  [[nodiscard]] double size() const { return (high - low).norm(); }
+  /// From the middle to where the object ends, with a margin.
+  [[nodiscard]] Eigen::Vector3d reach() const { return 0.55 * (high - low) + Eigen::Vector3d::Constant(0.02 * size()); }
+};
 
-EvenPoints even_points(const std::vector<Eigen::Vector3d>& surface_m) {
-  EvenPoints even;
-  if (surface_m.size() < 4) return even;
-  Eigen::Vector3d low;
-  Eigen::Vector3d high;
+Box box_of(const std::vector<Eigen::Vector3d>& points) {
+  Box box;
   for (int axis = 0; axis < 3; ++axis) {
-    low[axis] = quantile(surface_m, axis, kInner[0]);
-    high[axis] = quantile(surface_m, axis, kInner[1]);
+    box.low[axis] = quantile(points, axis, kInner[0]);
+    box.high[axis] = quantile(points, axis, kInner[1]);
   }
-  const Eigen::Vector3d middle = 0.5 * (low + high);
-  const double size_m = (high - low).norm();
-  if (!(size_m > 0.0) || !std::isfinite(size_m)) return even;
-  const Eigen::Vector3d reach = 0.55 * (high - low) + Eigen::Vector3d::Constant(0.02 * size_m);
+  return box;
+}
 
+using Cell = std::array<std::int32_t, 3>;
+
+Cell cell_of(const Eigen::Vector3d& place, double cell) {
+  const Eigen::Vector3d floor = (place / cell).array().floor();
+  return {static_cast<std::int32_t>(floor.x()), static_cast<std::int32_t>(floor.y()),
+          static_cast<std::int32_t>(floor.z())};
+}
+
+// About the middle of the box, one a cube: the mean of what lies in it. Sorted by cubes.
+std::vector<Eigen::Vector3d> thinned(const std::vector<Eigen::Vector3d>& surface, const Box& box, double cell) {
   struct Celled {
-    std::array<std::int32_t, 3> cell;
+    Cell cell;
     Eigen::Vector3d point;
   };
-  const auto thinned = [&](double cell_m) {
-    std::vector<Celled> celled;
-    celled.reserve(surface_m.size());
-    for (const Eigen::Vector3d& p : surface_m) {
-      const Eigen::Vector3d d = p - middle;
-      if ((d.array().abs() > reach.array()).any()) continue;
-      Celled one{{}, d};
-      for (int k = 0; k < 3; ++k)
-        one.cell[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(std::floor(d[k] / cell_m));
-      celled.push_back(one);
-    }
-    std::sort(celled.begin(), celled.end(), [](const Celled& a, const Celled& b) {
-      if (a.cell != b.cell) return a.cell < b.cell;
-      return std::lexicographical_compare(a.point.begin(), a.point.end(), b.point.begin(), b.point.end());
-    });
-    std::vector<Eigen::Vector3d> means;
-    for (std::size_t i = 0; i < celled.size();) {
-      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      const std::size_t first = i;
-      for (; i < celled.size() && celled[i].cell == celled[first].cell; ++i) sum += celled[i].point;
-      means.emplace_back(sum / static_cast<double>(i - first));
-    }
-    return means;
-  };
+  const Eigen::Vector3d middle = box.middle();
+  const Eigen::Vector3d reach = box.reach();
+  std::vector<Celled> celled;
+  celled.reserve(surface.size());
+  for (const Eigen::Vector3d& p : surface) {
+    const Eigen::Vector3d d = p - middle;
+    if ((d.array().abs() <= reach.array()).all()) celled.push_back({cell_of(d, cell), d});
+  }
+  std::sort(celled.begin(), celled.end(), [](const Celled& a, const Celled& b) {
+    if (a.cell != b.cell) return a.cell < b.cell;
+    return std::lexicographical_compare(a.point.begin(), a.point.end(), b.point.begin(), b.point.end());
+  });
+  std::vector<Eigen::Vector3d> means;
+  for (std::size_t i = 0; i < celled.size();) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    const std::size_t first = i;
+    for (; i < celled.size() && celled[i].cell == celled[first].cell; ++i) sum += celled[i].point;
+    means.emplace_back(sum / static_cast<double>(i - first));
+  }
+  return means;
+}
+
+EvenPoints even_within(const std::vector<Eigen::Vector3d>& surface_m, const Box& box) {
+  EvenPoints even;
+  const double size_m = box.size();
+  if (!(size_m > 0.0) || !std::isfinite(size_m)) return even;
   even.pixel_m = size_m / kPixels;
-  even.points = thinned(kThinned * even.pixel_m);
+  even.points = thinned(surface_m, box, kThinned * even.pixel_m);
   // Clouds that are sparser than that have larger pixels, so that their discs leave no holes.
   const double apart_m = median_spacing(even.points);
   if (apart_m > even.pixel_m) {
     even.pixel_m = apart_m;
-    even.points = thinned(kThinned * even.pixel_m);
+    even.points = thinned(surface_m, box, kThinned * even.pixel_m);
   }
   for (Eigen::Vector3d& p : even.points) p /= even.pixel_m;
-  even.half = static_cast<int>(std::ceil((reach / even.pixel_m).norm())) + 2;
+  even.half = static_cast<int>(std::ceil((box.reach() / even.pixel_m).norm())) + 2;
+  return even;
+}
+
+// Those that have others around them, as a surface does. All, where that would take away more than scattered points
+// are of a scan.
+std::vector<Eigen::Vector3d> without_scattered(const EvenPoints& even) {
+  constexpr int kAround = 3;              // cubes each way
+  constexpr std::size_t kOthers = 2;      // of them with points
+  constexpr double kMostScattered = 0.4;  // of the cubes: a twentieth of the points fills many
+  std::vector<Cell> cells;
+  cells.reserve(even.points.size());
+  for (const Eigen::Vector3d& p : even.points) cells.push_back(cell_of(p, kThinned));
+  std::vector<Cell> sorted = cells;
+  std::sort(sorted.begin(), sorted.end());
+  const auto others_near = [&](const Cell& cell) {
+    std::size_t others = 0;
+    for (int x = -kAround; x <= kAround; ++x) {
+      for (int y = -kAround; y <= kAround; ++y) {
+        const Cell from{cell[0] + x, cell[1] + y, cell[2] - kAround};
+        const Cell to{cell[0] + x, cell[1] + y, cell[2] + kAround};
+        others += static_cast<std::size_t>(std::upper_bound(sorted.begin(), sorted.end(), to) -
+                                           std::lower_bound(sorted.begin(), sorted.end(), from));
+        if (others > kOthers) return others - 1;
+      }
+    }
+    return others - 1;  // itself
+  };
+  std::vector<Eigen::Vector3d> kept;
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (others_near(cells[i]) >= kOthers) kept.push_back(even.points[i]);
+  const double left = static_cast<double>(kept.size()) / static_cast<double>(std::max<std::size_t>(1, cells.size()));
+  return left < 1.0 - kMostScattered ? even.points : kept;
+}
+
+}  // namespace
+
+EvenPoints even_points(const std::vector<Eigen::Vector3d>& surface_m) {
+  if (surface_m.size() < 4) return {};
+  const Box all = box_of(surface_m);
+  EvenPoints even = even_within(surface_m, all);
+  std::vector<Eigen::Vector3d> kept = without_scattered(even);
+  if (kept.size() == even.points.size()) return even;
+  // What is scattered about makes the object look smaller than it is: again, within a box around the rest.
+  for (Eigen::Vector3d& p : kept) p = all.middle() + even.pixel_m * p;
+  even = even_within(surface_m, box_of(kept));
+  even.points = without_scattered(even);
   return even;
 }
 

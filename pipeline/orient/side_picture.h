@@ -34,6 +34,8 @@ struct SidePicture {
                                        const Eigen::Vector3d& up);
 
 /// Share of the points that no others hide from that side, 0 to 1: nearly 1 for what was scanned from there alone.
+/// Of what was scanned from one side alone, at least so much.
+inline constexpr double kOneSided = 0.75;
 [[nodiscard]] double seen_share(const EvenPoints& object, const SidePicture& picture, const Eigen::Vector3d& look_from,
                                 const Eigen::Vector3d& up);
 
