@@ -1,5 +1,6 @@
 // bench_fronts PICTURE.png SCAN...: a contact sheet of the fronts that `sparsha new` chooses, to be judged by eye. One
-// row a scan: the chosen side, then the others; on the terminal the row's file and what was said of its front.
+// row a scan: the chosen side, then the others; on the terminal the row's file, the view, and what was said of its
+// front.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,10 +15,11 @@
 #include "base/error.h"
 #include "base/png/png.h"
 #include "base/threads/progress.h"
+#include "pipeline/orient/thumbnails.h"
 #include "pipeline/scan/statistics.h"
 #include "pipeline/scan/units.h"
 #include "pipeline/suggest/suggest.h"
-#include "pipeline/suggest/thumbnails.h"
+#include "pipeline/suggest/view.h"
 
 namespace {
 
@@ -67,11 +69,13 @@ int run(const std::filesystem::path& picture, const std::vector<std::filesystem:
       const sparsha::pipeline::Suggestion suggestion = sparsha::pipeline::suggest_config({scan}, {}, progress);
       const sparsha::pipeline::View view = view_of(suggestion.config);
       const std::size_t begin = suggestion.yaml.find("\n#", suggestion.yaml.find("\norientation:")) + 2;
-      fmt::print("{:2} {}{}:{}\n", rows + 1, scan.filename().string(), suggestion.sides.empty() ? "" : " (open)",
+      fmt::print("{:2} {}{}: from {:.3f} {:.3f} {:.3f}, up {:.3f} {:.3f} {:.3f}:{}\n", rows + 1,
+                 scan.filename().string(), suggestion.sides.empty() ? "" : " (open)", view.look_from.x(),
+                 view.look_from.y(), view.look_from.z(), view.up.x(), view.up.y(), view.up.z(),
                  suggestion.yaml.substr(begin, suggestion.yaml.find('\n', begin) - begin));
       sheet.resize(sheet.size() + static_cast<std::size_t>(3 * kTile * kTile * kSides), Thumbnail::kNothing);
       const auto object = object_of(suggestion.config.scans.front(), progress);
-      const std::vector<Thumbnail> sides = sparsha::pipeline::six_thumbnails(object, view);
+      const std::vector<Thumbnail> sides = sparsha::pipeline::six_thumbnails(object, view.look_from, view.up);
       for (std::size_t k = 0; k < sides.size(); ++k) place(sides[k], rows, static_cast<int>(k), sheet);
       ++rows;
     } catch (const sparsha::Error& error) {

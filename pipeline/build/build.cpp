@@ -23,6 +23,7 @@
 #include "base/threads/thread_pool.h"
 #include "pipeline/build/pillar_regions.h"
 #include "pipeline/build/project_scans.h"
+#include "pipeline/build/sides.h"
 #include "pipeline/build/warnings.h"
 #include "pipeline/charts/sheet_texture.h"
 #include "pipeline/check/check_map.h"
@@ -356,6 +357,8 @@ BuildResult build_scene(const scene::Config& given, const BuildOptions& options,
     fill_and_check(config, options, {pool, progress}, scans, base, scene, report);
     add_texture(config, projection, {pool, progress}, base, scene, report);
     if (scans.charts) add_texture_around(config, {pool, progress}, scene, scans.charts->charts);
+    // A rank holds a part of the points.
+    if (!scans.unroll && !scans.charts && options.ranks == nullptr) add_sides(scans.scan_to_grid, report);
     progress.begin("pyramid");
     levels = build_pyramid(base, config.levels.window, pool);
   } else {

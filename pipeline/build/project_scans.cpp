@@ -211,7 +211,7 @@ class Builder {
       add_steps(std::move(steps));
     }
     cloud->stations = stations;  // filters make new clouds
-    if (!filters_.empty() || finds_pillars() || !oriented_) use_sample(sample_of_kept(*cloud).points(), stations);
+    use_sample(sample_of_kept(*cloud).points(), stations);
     if (unrolls()) lay_flat(*cloud, *removed);
     progress_.begin("project");
     result_.triangles = cloud->faces.size();
@@ -285,7 +285,7 @@ class Builder {
 
   // For the report's pictures, the pillars and the orientation, whichever of them the configuration asks for.
   void use_sample(const std::vector<Eigen::Vector3d>& sample_m, const std::vector<Station>& stations) {
-    if (!filters_.empty()) result_.kept_m = sample_m;
+    result_.kept_m = sample_m;
     if (finds_pillars()) result_.sample_m = some_of(sample_m, 60000);
     if (!oriented_) find_orientation(sample_m, stations);
   }
@@ -416,7 +416,7 @@ class Builder {
     require_room_by_sample(scans);
     progress_.begin("points to disk");
     StreamedFilters streamed(scans, filters_, {pool_, progress_});
-    if (!oriented_ || finds_pillars()) streamed.sample_kept();
+    if (!oriented_ || finds_pillars() || !shared()) streamed.sample_kept();
     CloudOnDisk cloud = write_to_disk(scans, std::move(streamed), config_.grid.colour, config_.grid.intensity,
                                       scratch_folder(), options_.ranks, progress_);
     if (cloud.all == 0) throw no_points(config_);

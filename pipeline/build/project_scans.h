@@ -28,7 +28,7 @@ struct ProjectedScans {
   Report::Points points;
   std::uint64_t triangles = 0;  ///< of meshes among the scans, after the filters
   std::vector<Report::Filter> filters;
-  std::vector<Eigen::Vector3d> kept_m;  ///< a sample of the points that filters left, scan frame; empty without filters
+  std::vector<Eigen::Vector3d> kept_m;    ///< a sample of the points that filters left, scan frame
   std::vector<Eigen::Vector3d> sample_m;  ///< the same, when the configuration looks for pillars
   /// Checks the finished grid (which it may hold meanwhile) against the points; null when nothing asks for it.
   std::function<CheckResult(scene::DepthGrid& grid)> check;

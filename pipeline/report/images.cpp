@@ -135,6 +135,47 @@ Picture all_around(const scene::Charts& charts) {
   return picture;
 }
 
+std::string direction_text(const Eigen::Vector3d& d) {
+  return fmt::format("[{:.4g}, {:.4g}, {:.4g}]", d.x() + 0.0, d.y() + 0.0, d.z() + 0.0);
+}
+
+Picture sides(const Report& report) {
+  constexpr int kColumns = 3;
+  Picture picture;
+  picture.name = "sides";
+  picture.title = "Sides to choose from";
+  picture.map = ColourMap::relief;
+  picture.legend = Picture::Legend::none;
+  picture.caption =
+      "The points from six sides. This scene shows the front; another side is built with the line after its name.";
+  std::string row;
+  for (std::size_t k = 0; k < report.sides.size(); ++k) {
+    const Report::Side& side = report.sides[k];
+    row += fmt::format("{}{}", k % kColumns == 0 ? (k == 0 ? "Above: " : "; below: ") : ", ", side.name);
+    picture.caption +=
+        fmt::format(" {}: orientation: {{look_from: {}, up: {}}}{}", side.name, direction_text(side.look_from),
+                    direction_text(side.up), k + 1 < report.sides.size() ? ";" : ".");
+  }
+  picture.alternative = fmt::format("The object from six sides. {}.", row);
+  picture.caption += fmt::format(" {}.", row);
+  const int width = report.sides.front().width;
+  const int rows = (static_cast<int>(report.sides.size()) + kColumns - 1) / kColumns;
+  Field light(kColumns * width, rows * width);
+  for (std::size_t k = 0; k < report.sides.size(); ++k) {
+    const int left = static_cast<int>(k) % kColumns * width;
+    const int top = static_cast<int>(k) / kColumns * width;
+    for (int y = 0; y < width; ++y) {
+      for (int x = 0; x < width; ++x) {
+        const std::uint8_t grey = report.sides[k].grey[static_cast<std::size_t>(y * width + x)];
+        if (grey != Report::kNoSurface) light.at(left + x, top + y) = static_cast<float>(grey) / 255.0F;
+      }
+    }
+  }
+  picture.width_m = light.width * report.side_pixel_m;
+  paint(picture, light, 0, 1);
+  return picture;
+}
+
 Picture height(const Field& heights) {
   Picture picture;
   picture.name = "height";
@@ -262,6 +303,7 @@ std::vector<Picture> make_pictures(const scene::Layers& base, const scene::Scene
   makers.emplace_back([&] { return relief(heights, nodes_per_pixel(lattice) * lattice.spacing_m); });
   if (scene.charts && scene.charts->measured_nodes() > 0)
     makers.emplace_back([&] { return all_around(*scene.charts); });
+  if (!report.sides.empty()) makers.emplace_back([&] { return sides(report); });
   makers.emplace_back([&] { return height(heights); });
   if (!base.envelope_m.empty()) makers.emplace_back([&] { return texture(base); });
   if (scene.config.friction) makers.emplace_back([&] { return friction(base, scene); });

@@ -14,7 +14,8 @@ namespace sparsha::pipeline {
 
 /// One picture. Top row first; a pixel covers `nodes_per_pixel` nodes each way.
 struct Picture {
-  std::string name;  ///< file name without ending: relief, around, height, texture, friction, coverage, error, filters
+  std::string
+      name;  ///< file name without ending: relief, around, sides, height, texture, friction, coverage, error, filters
   std::string title;
   std::string caption;      ///< what is seen and how to read it
   std::string alternative;  ///< for those who do not see it

@@ -66,9 +66,19 @@ struct Report {
   };
   std::vector<Filter> filters;
   std::string orientation;              ///< what `face` has found, in words; else empty
-  std::vector<Eigen::Vector3d> kept_m;  ///< a sample of the points that filters left, scan frame
-  double coverage = 0.0;                ///< measured nodes / all
-  double filled_fraction = 0.0;         ///< filled nodes / all
+  std::vector<Eigen::Vector3d> kept_m;  ///< a sample of the points that filters left
+  /// A side of the object as its points look from there, a light from the upper left.
+  struct Side {
+    std::string name;                ///< front (the scene's view), back, ...
+    Eigen::Vector3d look_from, up;   ///< scan frame, as `orientation` takes them
+    int width = 0;                   ///< pixels: it is a square
+    std::vector<std::uint8_t> grey;  ///< rows from the top down; kNoSurface where nothing is
+  };
+  static constexpr std::uint8_t kNoSurface = 255;
+  std::vector<Side> sides;       ///< six of one size; empty where nearly all is seen from the scene's view
+  double side_pixel_m = 0.0;     ///< of a pixel of them, scan frame
+  double coverage = 0.0;         ///< measured nodes / all
+  double filled_fraction = 0.0;  ///< filled nodes / all
   /// Of a friction map: known nodes, and those of them where no curvature could be told; these take mu_0.
   struct Friction {
     std::uint64_t nodes = 0, undecided = 0;
@@ -84,8 +94,8 @@ struct Report {
 };
 
 [[nodiscard]] std::string report_json(const scene::Scene& scene, const Report& report);
-/// Writes report.json, report.html and the previews (relief.png, around.png, height.png, texture.png, friction.png,
-/// coverage.png, error.png, filters.png; those that the scene has) into an existing folder.
+/// Writes report.json, report.html and the previews (relief.png, around.png, sides.png, height.png, texture.png,
+/// friction.png, coverage.png, error.png, filters.png; those that the scene has) into an existing folder.
 void write_report(const scene::Scene& scene, const Report& report, const std::filesystem::path& folder,
                   ThreadPool& pool);
 

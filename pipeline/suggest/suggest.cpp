@@ -68,7 +68,7 @@ std::string verdict(const Choice& choice, double share) {
 // The other sides, ready to be taken instead.
 std::string other_sides(const View& front) {
   std::string text = "#   its other sides, in place of that line:\n";
-  for (const NamedView& side : six_sides(front)) {
+  for (const NamedView& side : six_sides(front.look_from, front.up)) {
     if (side.name == "front") continue;
     text += fmt::format("# orientation: {{look_from: {}, up: {}}}  # {}\n", vector(side.look_from), vector(side.up),
                         side.name);
@@ -335,7 +335,8 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   Suggestion suggestion;
   suggestion.config = scene::parse_config(yaml::parse_text(yaml, "the suggested configuration"), folder);
   suggestion.yaml = std::move(yaml);
-  if (ways.sides.open && ways.sides.object) suggestion.sides = six_thumbnails(*ways.sides.object, view);
+  if (ways.sides.open && ways.sides.object)
+    suggestion.sides = six_thumbnails(*ways.sides.object, view.look_from, view.up);
   progress.finish();
   return suggestion;
 }

@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 
 #include "base/threads/progress.h"
-#include "pipeline/suggest/thumbnails.h"
+#include "pipeline/orient/thumbnails.h"
 #include "scene/config/config.h"
 
 namespace sparsha::pipeline {

@@ -11,6 +11,7 @@
 #include "base/numbers/statistics.h"
 #include "pipeline/orient/face.h"
 #include "pipeline/orient/side_picture.h"
+#include "pipeline/orient/thumbnails.h"
 #include "pipeline/suggest/range_image.h"
 
 namespace sparsha::pipeline {
@@ -41,11 +42,6 @@ Thinness thinness_of(const std::vector<Eigen::Vector3d>& points_m, const InnerBo
   return {axes.eigenvectors().col(0), std::sqrt(thin / std::max(axes.eigenvalues()[1], 1e-300))};
 }
 
-// Rounded to three digits.
-Eigen::Vector3d tidy(const Eigen::Vector3d& direction) {
-  return (direction.normalized() * 1000.0).array().round() / 1000.0 + 0.0;
-}
-
 // The coordinate axis within 25 degrees, else the direction rounded to three digits.
 Eigen::Vector3d snapped(const Eigen::Vector3d& direction) {
   const Eigen::Vector3d unit = direction.normalized();
@@ -57,7 +53,7 @@ Eigen::Vector3d snapped(const Eigen::Vector3d& direction) {
     snap[axis] = unit[axis] > 0 ? 1.0 : -1.0;
     return snap;
   }
-  return tidy(unit);
+  return rounded_direction(unit);
 }
 
 // Of a place over its distance along the view, within 60 degrees: survey coordinates lie far aside of their zero.
@@ -105,7 +101,6 @@ class Object {
     return *even_;
   }
 
-  static constexpr double kOneSided = 0.75;
   const SeenScans& seen_;
   std::optional<Eigen::Vector3d> up_;
   std::optional<EvenPoints> even_;
@@ -147,8 +142,8 @@ View front_view(Object& object, const std::optional<Eigen::Vector3d>& up, bool z
   sides.open = front->open();
   if (sides.open) sides.object = object.points();
   guess.evident = !front->open();
-  guess.look_from = tidy(front->look_from);
-  guess.up = tidy(front->up);
+  guess.look_from = rounded_direction(front->look_from);
+  guess.up = rounded_direction(front->up);
   guess.reason = front->reason;
   return guess;
 }
@@ -282,7 +277,7 @@ Sides sides_of(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up) 
   };
   if (sides.standing) {
     // What stands is looked at from around it; from below there is only what it stands on.
-    for (const NamedView& side : six_sides(guess)) {
+    for (const NamedView& side : six_sides(guess.look_from, guess.up)) {
       if (side.name == "bottom") continue;
       // The plan of a room lies as the axes of the scan do: none of its walls is the front.
       const bool plan = side.name == "top" && sides.standing->room;
@@ -308,14 +303,6 @@ Sides sides_of(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up) 
   for (const double side : {1.0, -1.0})
     add_snapped(side * thin.direction, "along the direction in which the points are thinnest");
   return sides;
-}
-
-std::vector<NamedView> six_sides(const View& front) {
-  const Eigen::Vector3d ahead = front.look_from.normalized();
-  const Eigen::Vector3d up = (front.up - front.up.dot(ahead) * ahead).normalized();
-  const Eigen::Vector3d right = up.cross(ahead);
-  return {{"front", front.look_from, front.up}, {"back", tidy(-ahead), tidy(up)}, {"left", tidy(-right), tidy(up)},
-          {"right", tidy(right), tidy(up)},     {"top", tidy(up), tidy(-ahead)},  {"bottom", tidy(-up), tidy(ahead)}};
 }
 
 }  // namespace sparsha::pipeline

@@ -59,11 +59,4 @@ struct Sides {
 /// The guess, then the axes and both sides of the thinnest direction. `up` is the user's. There must be points.
 [[nodiscard]] Sides sides_of(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up);
 
-/// Front, back, left, right, top and bottom of what is seen first from `front`, with their names.
-struct NamedView {
-  std::string name;
-  Eigen::Vector3d look_from, up;
-};
-[[nodiscard]] std::vector<NamedView> six_sides(const View& front);
-
 }  // namespace sparsha::pipeline

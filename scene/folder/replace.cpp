@@ -23,9 +23,10 @@ namespace {
 constexpr const char* kRemedy = "a new folder, an empty one or a scene that sparsha build wrote";
 
 // write_scene(), write_report() and the viewer write these; a test builds a scene with all of them and replaces it.
-constexpr std::array<std::string_view, 14> kTopFiles = {
-    "scene.yaml",   "report.json", "report.html", "relief.png", "height.png", "texture.png", "friction.png",
-    "coverage.png", "error.png",   "filters.png", "around.png", "error.tif",  "charts.bin",  kNotesFile};
+constexpr std::array<std::string_view, 15> kTopFiles = {"scene.yaml", "report.json", "report.html",  "relief.png",
+                                                        "height.png", "texture.png", "friction.png", "coverage.png",
+                                                        "error.png",  "filters.png", "around.png",   "sides.png",
+                                                        "error.tif",  "charts.bin",  kNotesFile};
 
 bool is_layer_file(const std::string& name) {
   if (name == "height.tif" || name == "height.tfw" || name == "level.vrt" || name == "mask.tif" || name == "colour.tif")

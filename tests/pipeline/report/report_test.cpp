@@ -3,6 +3,7 @@
 #include "base/text/html.h"
 #include "pipeline/report/html.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -223,6 +224,49 @@ TEST(ReportPictures, ShowWhatTheFiltersTookAwayInColoursOfALegend) {
   EXPECT_GT(pixels_like(picture.entries[2].colour), 0) << "the near outlier";
   EXPECT_LE(std::max(picture.width, picture.height), 1024) << "the far outlier does not shrink the object";
   EXPECT_NEAR(picture.width_m, 0.17, 0.06);
+}
+
+TEST(ReportPictures, ShowTheSidesToChooseFromWithTheirNamesAndDirections) {
+  Report report = example_report();
+  const auto named = [&] {
+    ThreadPool pool(1);
+    const scene::ScenePointer scene = example_scene();
+    std::vector<Picture> sides;
+    for (Picture& picture : make_pictures(scene->read_level(0), scene->description(), report, pool))
+      if (picture.name == "sides") sides.push_back(std::move(picture));
+    return sides;
+  };
+  EXPECT_TRUE(named().empty());
+  // Each side is one pixel of surface at its own place, in an own grey.
+  constexpr int kWidth = 5;
+  const std::vector<std::string> names = {"front", "back", "left", "right", "top", "bottom"};
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    Report::Side side{
+        names[k], Eigen::Vector3d(0.25, 0.0, 1.0 + static_cast<double>(k)), Eigen::Vector3d::UnitY(), kWidth, {}};
+    side.grey.assign(static_cast<std::size_t>(kWidth * kWidth), Report::kNoSurface);
+    side.grey[k] = static_cast<std::uint8_t>(40 * k + 20);
+    report.sides.push_back(side);
+  }
+  report.side_pixel_m = 0.002;
+  const std::vector<Picture> pictures = named();
+  ASSERT_EQ(pictures.size(), 1U);
+  const Picture& picture = pictures.front();
+  ASSERT_EQ(picture.width, 3 * kWidth);
+  ASSERT_EQ(picture.height, 2 * kWidth);
+  EXPECT_DOUBLE_EQ(picture.width_m, 3 * kWidth * 0.002);
+  int last = 0;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const int at = static_cast<int>(k);
+    const int column = at % 3 * kWidth + at % kWidth;
+    const int row = at / 3 * kWidth + at / kWidth;
+    const int shade = picture.pixels[static_cast<std::size_t>(row * picture.width + column)];
+    EXPECT_GT(shade, last) << names[k];
+    last = shade;
+    EXPECT_NE(picture.caption.find(
+                  fmt::format("{}: orientation: {{look_from: [0.25, 0, {}], up: [0, 1, 0]}}", names[k], k + 1)),
+              std::string::npos)
+        << picture.caption;
+  }
 }
 
 TEST(ReportPictures, ShowMoreFiltersThanThereAreColours) {

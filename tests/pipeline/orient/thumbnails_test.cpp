@@ -1,5 +1,5 @@
 // The six pictures by which a front is chosen that the points leave open.
-#include "pipeline/suggest/thumbnails.h"
+#include "pipeline/orient/thumbnails.h"
 
 #include <gtest/gtest.h>
 
@@ -49,8 +49,8 @@ std::size_t uneven(const Thumbnail& thumbnail) {
 }
 
 TEST(Thumbnails, ShowTheSixSidesAtOneScaleAndWhatIsCarvedOnThem) {
-  View front;
-  const std::vector<Thumbnail> sides = six_thumbnails(even_points(box()), front);
+  const std::vector<Thumbnail> sides =
+      six_thumbnails(even_points(box()), Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY());
   ASSERT_EQ(sides.size(), 6U);
   const std::vector<std::string> names = {"front", "back", "left", "right", "top", "bottom"};
   for (std::size_t k = 0; k < sides.size(); ++k) {
@@ -65,7 +65,9 @@ TEST(Thumbnails, ShowTheSixSidesAtOneScaleAndWhatIsCarvedOnThem) {
   EXPECT_GT(uneven(sides[0]), 5 * std::max<std::size_t>(1, uneven(sides[1]))) << "the bump is on the front alone";
 }
 
-TEST(Thumbnails, OfNothingThereAreNone) { EXPECT_TRUE(six_thumbnails(EvenPoints{}, View{}).empty()); }
+TEST(Thumbnails, OfNothingThereAreNone) {
+  EXPECT_TRUE(six_thumbnails(EvenPoints{}, Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY()).empty());
+}
 
 }  // namespace
 }  // namespace sparsha::pipeline

@@ -8,9 +8,19 @@
 #include <Eigen/Core>
 
 #include "pipeline/orient/side_picture.h"
-#include "pipeline/suggest/view.h"
 
 namespace sparsha::pipeline {
+
+/// Front, back, left, right, top and bottom of what is seen first from `look_from`, with their names. Directions are
+/// rounded to three digits but the front's own.
+struct NamedView {
+  std::string name;
+  Eigen::Vector3d look_from, up;
+};
+[[nodiscard]] std::vector<NamedView> six_sides(const Eigen::Vector3d& look_from, const Eigen::Vector3d& up);
+
+/// Of length 1, rounded to three digits.
+[[nodiscard]] Eigen::Vector3d rounded_direction(const Eigen::Vector3d& direction);
 
 /// A side as it looks without perspective under a light from the upper left. All of one object have the same scale.
 struct Thumbnail {
@@ -24,7 +34,8 @@ struct Thumbnail {
 };
 
 [[nodiscard]] Thumbnail thumbnail_of(const EvenPoints& object, const NamedView& view);
-/// Of six_sides(front), in their order. Empty when the object has no points.
-[[nodiscard]] std::vector<Thumbnail> six_thumbnails(const EvenPoints& object, const View& front);
+/// Of six_sides(), in their order. Empty when the object has no points.
+[[nodiscard]] std::vector<Thumbnail> six_thumbnails(const EvenPoints& object, const Eigen::Vector3d& look_from,
+                                                    const Eigen::Vector3d& up);
 
 }  // namespace sparsha::pipeline

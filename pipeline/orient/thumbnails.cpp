@@ -1,4 +1,4 @@
-#include "pipeline/suggest/thumbnails.h"
+#include "pipeline/orient/thumbnails.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,10 +43,26 @@ Thumbnail thumbnail_of(const EvenPoints& object, const NamedView& view) {
   return thumbnail;
 }
 
-std::vector<Thumbnail> six_thumbnails(const EvenPoints& object, const View& front) {
+Eigen::Vector3d rounded_direction(const Eigen::Vector3d& direction) {
+  return (direction.normalized() * 1000.0).array().round() / 1000.0 + 0.0;
+}
+
+std::vector<NamedView> six_sides(const Eigen::Vector3d& look_from, const Eigen::Vector3d& up) {
+  const Eigen::Vector3d ahead = look_from.normalized();
+  const Eigen::Vector3d above = (up - up.dot(ahead) * ahead).normalized();
+  const Eigen::Vector3d right = above.cross(ahead);
+  const auto view = [](const char* name, const Eigen::Vector3d& from, const Eigen::Vector3d& upright) {
+    return NamedView{name, rounded_direction(from), rounded_direction(upright)};
+  };
+  return {{"front", look_from, up},    view("back", -ahead, above), view("left", -right, above),
+          view("right", right, above), view("top", above, -ahead),  view("bottom", -above, ahead)};
+}
+
+std::vector<Thumbnail> six_thumbnails(const EvenPoints& object, const Eigen::Vector3d& look_from,
+                                      const Eigen::Vector3d& up) {
   std::vector<Thumbnail> thumbnails;
   if (object.points.empty()) return thumbnails;
-  for (const NamedView& view : six_sides(front)) thumbnails.push_back(thumbnail_of(object, view));
+  for (const NamedView& view : six_sides(look_from, up)) thumbnails.push_back(thumbnail_of(object, view));
   return thumbnails;
 }
 
