@@ -133,6 +133,11 @@ def main():
                     used.add(reason)
                     listed.append(f"{page}: `{command}`: {reason[1]}")
                     continue
+                absent = [tool for tool in ("mpirun", "c++") if command.startswith(tool + " ") and not shutil.which(tool)]
+                if absent:
+                    used.update(rule for rule in STAND_INS if re.search(rule[0], command))
+                    listed.append(f"{page}: `{command}`: {absent[0]} is not installed")
+                    continue
                 stand_in = next((rule for rule in STAND_INS if re.search(rule[0], command)), (None, "()", ""))
                 used.add(stand_in)
                 line = stand_in[1].replace("()", command)
