@@ -399,7 +399,8 @@ TEST(WholePicture, TextureAndFrictionAreShownOnAllSides) {
         sheet.curvature_per_m[node] = rough ? 100.0F : 0.0F;
       }
   }
-  Exhibit exhibit(charts);  // with the context that the view needs
+  const gl::OffscreenContext context;
+  Exhibit exhibit(charts);
   const scene::ScenePointer scene =
       sparsha::test::scene_of([](double, double) { return 0.0; }, sparsha::test::SceneOptions{},
                               [&](scene::SceneDescription& description) {
