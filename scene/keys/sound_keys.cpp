@@ -16,7 +16,12 @@ std::vector<Key> sound_keys() {
       {"audio", {block(), nothing()}, "", "", "Places that sound; absent: none"},
       {"audio.regions", {list()}, "", "", "Places and their sounds; the first match wins"},
       {"audio.regions[].name", {text()}, "", "", "By what it is known", true},
-      {"audio.regions[].box_m", {numbers(4)}, "m", "", "xmin, ymin, xmax, ymax, grid frame"},
+      {"audio.regions[].box_m",
+       {numbers(4), numbers(6)},
+       "m",
+       "",
+       "xmin, ymin, xmax, ymax, grid frame; of a whole object (around) also xmin, ymin, zmin, xmax, ymax, zmax, scan "
+       "frame"},
       {"audio.regions[].polygon_m", {points(3, 1000)}, "m", "", "Corners in their order, grid frame"},
       {"audio.regions[].label", {whole(1, 65535)}, "", "", "Pixels of this value of the image `audio.labels`"},
       {"audio.regions[].modal",

@@ -48,7 +48,12 @@ std::vector<Key> touch_keys() {
       {"parts[].name", {text()}, "", "", "By what it is known", true},
       {"parts[].say", {text()}, "", "", "Spoken when it is touched; absent: the name"},
       {"parts[].more", {text()}, "", "", "Told when more is asked for"},
-      {"parts[].box_m", {numbers(4)}, "m", "", "xmin, ymin, xmax, ymax, grid frame"},
+      {"parts[].box_m",
+       {numbers(4), numbers(6)},
+       "m",
+       "",
+       "xmin, ymin, xmax, ymax, grid frame; of a whole object (around) also xmin, ymin, zmin, xmax, ymax, zmax, scan "
+       "frame"},
       {"parts[].polygon_m", {points(3, 1000)}, "m", "", "Corners in their order, grid frame"},
       {"parts[].label", {whole(1, 65535)}, "", "", "Pixels of this value of the image `audio.labels`"},
       {"parts[].material", {material()}, "", "", "Material of impact and grain; absent: the scene's"},

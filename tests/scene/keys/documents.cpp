@@ -21,7 +21,9 @@ const std::map<std::string_view, Fields> kBeside{
     {"friction.mu_max", {{"mu_0", "0"}}}};
 const std::map<std::string_view, std::string_view> kAtRoot{{"parts[].mu_static", "friction: {}"},
                                                            {"parts[].mu_dynamic", "friction: {}"},
-                                                           {"parts[].label", "audio: {labels: a.png}"}};
+                                                           {"parts[].label", "audio: {labels: a.png}"},
+                                                           {"parts[].box_m", "around: {}"},
+                                                           {"audio.regions[].box_m", "around: {}"}};
 
 // Values that the form alone does not make sensible.
 const std::map<std::string_view, std::string_view> kSensible{
@@ -95,6 +97,7 @@ std::string sample(const Key& key, const Form& form) {
     case Kind::wholes:
       return "[2]";
     case Kind::numbers:
+      if (form.least == 6.0) return "[0, 0, 0, 1, 1, 1]";  // low corner, high corner
       return sensible != kSensible.end() ? std::string(sensible->second) : sample_numbers(static_cast<int>(form.least));
     case Kind::matrix:
       return "[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]";
