@@ -6,12 +6,10 @@ namespace sparsha::system {
 
 enum class Confinement {
   /// For another program that is run: it gains no rights (no_new_privs), traces no process, mounts nothing, loads
-  /// nothing
-  /// into the system.
+  /// nothing into the system.
   helper,
   /// For a process that writes to a device alone: besides, it runs no program, opens no connection but to this
-  /// machine's
-  /// own sockets, and creates, renames, removes and re-owns no file.
+  /// machine's own sockets, and creates, renames, removes and re-owns no file.
   watch
 };
 
