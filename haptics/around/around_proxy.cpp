@@ -149,15 +149,15 @@ class Course {
   }
 
   /// Off the surface, unless another sheet at this place holds the hand back: worn edges have normals of many
-  /// directions. A sheet of the same surface that was left in this tick holds it, too, until the next. True when there
-  /// is more to do.
+  /// directions. Where only a sheet that was left in this tick holds it back, the proxy waits on that
+  /// sheet until the next tick. True when there is more to do.
   bool leave(std::uint32_t but) noexcept {
     const double h = object_.spacing_m;
     const Eigen::Vector3d pull = hip_m_ - state_.position_m;
     const SheetView own = view_of(sheet(), state_.position_m);
     std::uint32_t best = kNoSheet, left = kNoSheet;
     SheetView there, before;
-    double deepest = kHeldDepth * h;
+    double deepest = kHeldDepth * h, deepest_left = deepest;
     for (const Passing& passing : object_.blocks.sheets_at(state_.position_m)) {
       const std::uint32_t other = passing.sheet;
       if (other == state_.sheet || other == but) continue;
@@ -165,6 +165,8 @@ class Course {
       if (view.cell == kNoCell || std::abs(view.gap_m) > kHeldGap * h || -pull.dot(view.normal) <= deepest) continue;
       if (!may_enter(other)) {
         if (view.cell < kLookCell || own.cell == kNoCell || view.normal.dot(own.normal) < kNearNormal) continue;
+        if (-pull.dot(view.normal) <= deepest_left) continue;
+        deepest_left = -pull.dot(view.normal);
         left = other;
         before = view;
         continue;

@@ -230,7 +230,18 @@ void count_open_cells(SheetSurface& sheet) {
     for (int i = nx - 1; i >= 0; --i) lower(i, j, 1, 1);
 }
 
-std::shared_ptr<ObjectSurface> object_of(const scene::Charts& charts, const AroundFriction& friction) {
+/// To the envelope, which a node's place lies `texture_m` before along its normal.
+void take_texture_off(scene::Sheet& sheet) {
+  for (std::size_t node = 0; node < sheet.count(); ++node)
+    if (sheet.measured(node))
+      sheet.height_m[node] -= sheet.texture_m[node] * std::hypot(1.0F, sheet.slope_u[node], sheet.slope_v[node]);
+}
+
+// The pieces are those of the surface as scanned, with its texture or without: a swap keeps the proxy's sheet by
+// number.
+std::shared_ptr<ObjectSurface> object_of(const scene::Charts& charts, const AroundFriction& friction, bool texture) {
+  if (!texture && !has_envelope(charts))
+    throw Error(ErrorKind::failure, {}, "charts whose sheets have no envelope", "sheets built with a block texture");
   if (charts.sheets.empty() || !(charts.spacing_m > 0.0))
     throw Error(ErrorKind::failure, {}, "charts without a sheet", "at least one sheet and a positive spacing");
   auto object = std::make_shared<ObjectSurface>();
@@ -239,7 +250,8 @@ std::shared_ptr<ObjectSurface> object_of(const scene::Charts& charts, const Arou
   object->box_m = box_of(charts);
   object->sheets.reserve(charts.sheets.size());
   for (const scene::Sheet& sheet : charts.sheets) {
-    for (const scene::Sheet& piece : pieces_of(sheet, charts.spacing_m)) {
+    for (scene::Sheet& piece : pieces_of(sheet, charts.spacing_m)) {
+      if (!texture) take_texture_off(piece);
       object->sheets.push_back(make_sheet_surface(charts, piece, friction));
       object->sheets.back().number = static_cast<std::uint32_t>(object->charted);
     }
@@ -263,9 +275,14 @@ Eigen::AlignedBox3d box_of(const scene::Charts& charts) {
   return box;
 }
 
+bool has_envelope(const scene::Charts& charts) {
+  return std::all_of(charts.sheets.begin(), charts.sheets.end(),
+                     [](const scene::Sheet& sheet) { return sheet.texture_m.size() == sheet.count(); });
+}
+
 std::shared_ptr<const ObjectSurface> make_object_surface(const scene::Charts& charts, const AroundFriction& friction,
-                                                         std::shared_ptr<const scene::Charts> kept) {
-  std::shared_ptr<ObjectSurface> object = object_of(charts, friction);
+                                                         std::shared_ptr<const scene::Charts> kept, bool texture) {
+  std::shared_ptr<ObjectSurface> object = object_of(charts, friction, texture);
   object->charts = std::move(kept);
   return object;
 }

@@ -32,10 +32,15 @@ struct ObjectSurface {
 /// Of the measured nodes, relative to the charts' origin; empty without any.
 [[nodiscard]] Eigen::AlignedBox3d box_of(const scene::Charts& charts);
 
-/// `friction` of zero: frictionless. `kept`: the charts, where they are to live as long. Throws
-/// Error{failure} when the charts have no cell.
+/// Have the sheets an envelope that can be touched without their texture?
+[[nodiscard]] bool has_envelope(const scene::Charts& charts);
+
+/// `friction` of zero: frictionless. `kept`: the charts, where they are to live as long. Without `texture` it is the
+/// envelope, in the same sheets: a place of the proxy keeps its meaning. Throws Error{failure} when the charts have no
+/// cell, or no envelope that is asked for.
 [[nodiscard]] std::shared_ptr<const ObjectSurface> make_object_surface(const scene::Charts& charts,
                                                                        const AroundFriction& friction = {},
-                                                                       std::shared_ptr<const scene::Charts> kept = {});
+                                                                       std::shared_ptr<const scene::Charts> kept = {},
+                                                                       bool texture = true);
 
 }  // namespace sparsha::haptics

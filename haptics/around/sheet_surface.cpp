@@ -256,6 +256,7 @@ scene::Sheet cut_out(const scene::Sheet& sheet, const std::vector<int>& parts, i
       piece.slope_v.push_back(mine ? sheet.slope_v[node] : scene::kUnknownHeight);
       const unsigned kept = cell ? sheet.mask[node] : sheet.mask[node] & ~unsigned{scene::Sheet::kCell};
       piece.mask.push_back(mine ? static_cast<std::uint8_t>(kept) : std::uint8_t{0});
+      if (!sheet.texture_m.empty()) piece.texture_m.push_back(mine ? sheet.texture_m[node] : scene::kUnknownHeight);
       if (!sheet.curvature_per_m.empty())
         piece.curvature_per_m.push_back(mine ? sheet.curvature_per_m[node] : scene::kUnknownHeight);
     }

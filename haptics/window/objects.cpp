@@ -1,7 +1,6 @@
 #include "haptics/window/objects.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -45,16 +44,6 @@ Look look_of(const scene::SceneDescription& scene, const Effects& effects) {
   return look;
 }
 
-/// Heights of the envelope: a node lies `texture_m` before it along its normal.
-scene::Charts smoothed(const scene::Charts& charts) {
-  scene::Charts result = charts;
-  for (scene::Sheet& sheet : result.sheets)
-    for (std::size_t node = 0; node < sheet.count(); ++node)
-      if (sheet.measured(node))
-        sheet.height_m[node] -= sheet.texture_m[node] * std::hypot(1.0F, sheet.slope_u[node], sheet.slope_v[node]);
-  return result;
-}
-
 ObjectPointer make_object(const scene::SceneDescription& scene, const Look& look) {
   AroundFriction friction;
   const scene::Charts& charts = *scene.charts;
@@ -68,8 +57,7 @@ ObjectPointer make_object(const scene::SceneDescription& scene, const Look& look
       return {mu.mu_dynamic, mu.mu_static};
     };
   }
-  return look.texture ? make_object_surface(charts, friction, scene.charts)
-                      : make_object_surface(smoothed(charts), friction, scene.charts);
+  return make_object_surface(charts, friction, scene.charts, look.texture);
 }
 
 /// The objects that windows hold now: a nearer view of an object needs no second one.
@@ -104,11 +92,6 @@ struct WithObject {
 };
 
 }  // namespace
-
-bool has_envelope(const scene::Charts& charts) {
-  return std::all_of(charts.sheets.begin(), charts.sheets.end(),
-                     [](const scene::Sheet& sheet) { return sheet.texture_m.size() == sheet.count(); });
-}
 
 std::shared_ptr<const ObjectSurface> whole_object(const scene::SceneDescription& scene, const Effects& effects) {
   if (!scene.charts) throw Error(ErrorKind::failure, {}, "a whole object without charts", "a scene built with around");

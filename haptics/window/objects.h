@@ -9,9 +9,6 @@
 
 namespace sparsha::haptics {
 
-/// Have the sheets an envelope that can be touched without their texture?
-[[nodiscard]] bool has_envelope(const scene::Charts& charts);
-
 /// The scene's whole object. Friction is the law of the scene by the curvature of the texture, where the charts know
 /// it, and the parts' own; without texture it is the envelope, where the charts have one. Throws Error{failure} for a
 /// scene without charts.

@@ -99,5 +99,43 @@ TEST(WholeObjects, WithoutTextureTheEnvelopeIsTouched) {
   EXPECT_FALSE(has_envelope(sparsha::test::ball_charts(kBall_m)));
 }
 
+/// A strip of 61 x 11 nodes in two parts, the right one 10 cells higher: by its texture, so that the envelope is flat.
+scene::Charts stepped_strip() {
+  scene::Charts charts;
+  charts.spacing_m = 0.001;
+  scene::Sheet sheet;
+  sheet.side = scene::Side::front;
+  sheet.nx = 61;
+  sheet.ny = 11;
+  for (int j = 0; j < sheet.ny; ++j)
+    for (int i = 0; i < sheet.nx; ++i) {
+      const bool high = i > 30;
+      sheet.height_m.push_back(high ? 0.01F : 0.0F);
+      sheet.texture_m.push_back(high ? 0.01F : 0.0F);
+      sheet.slope_u.push_back(0.0F);
+      sheet.slope_v.push_back(0.0F);
+      const bool cell = i + 1 < sheet.nx && j + 1 < sheet.ny && i != 30;
+      sheet.mask.push_back(scene::Sheet::kMeasured | (cell ? scene::Sheet::kCell : 0));
+    }
+  charts.sheets.push_back(sheet);
+  return charts;
+}
+
+// A swap keeps the number of the proxy's sheet and its cell there, and the servo reads by them.
+TEST(WholeObjects, WithTextureOrWithoutHaveTheSameSheetsWhereverTextureMakesAStep) {
+  const scene::Charts charts = stepped_strip();
+  scene::Charts envelope = charts;
+  for (float& height : envelope.sheets[0].height_m) height = 0.0F;
+  const auto with = make_object_surface(charts, {}, {}, true), without = make_object_surface(charts, {}, {}, false);
+  ASSERT_NE(with->sheets.size(), make_object_surface(envelope)->sheets.size()) << "a step that cuts the sheet";
+  ASSERT_EQ(with->sheets.size(), without->sheets.size());
+  for (std::size_t k = 0; k < with->sheets.size(); ++k) {
+    const scene::Lattice &a = with->sheets[k].surface->lattice, &b = without->sheets[k].surface->lattice;
+    EXPECT_EQ(a.nx, b.nx);
+    EXPECT_EQ(a.ny, b.ny);
+    EXPECT_EQ(with->sheets[k].corner_m, without->sheets[k].corner_m);
+  }
+}
+
 }  // namespace
 }  // namespace sparsha::haptics
