@@ -217,8 +217,9 @@ std::unique_ptr<Pad> pad_of_node(const std::filesystem::path& node, PadKind kind
 std::vector<std::filesystem::path> event_nodes() {
   std::error_code code;
   std::vector<std::filesystem::path> nodes;
-  for (const auto& entry : std::filesystem::directory_iterator(kNodes, code))
-    if (entry.path().filename().string().starts_with("event")) nodes.push_back(entry.path());
+  // Nodes come and go while they are listed.
+  for (std::filesystem::directory_iterator at(kNodes, code), end; !code && at != end; at.increment(code))
+    if (at->path().filename().string().starts_with("event")) nodes.push_back(at->path());
   const auto place = [](const std::filesystem::path& node) { return std::pair(node.string().size(), node.string()); };
   std::sort(nodes.begin(), nodes.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
   return nodes;

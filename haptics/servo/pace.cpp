@@ -32,7 +32,8 @@ std::int64_t Pace::admit(std::int64_t woke_ns) noexcept {
 
 void keep_to_what_can_be(DeviceSample& sample, double time_s, bool own_clock) noexcept {
   if (!std::isfinite(sample.time_s) || (!own_clock && sample.time_s > time_s)) sample.time_s = time_s;
-  if (!(sample.delay_s >= 0.0 && sample.delay_s < kLongAgo_s)) sample.delay_s = 0.0;
+  // The longest that is believed makes the wall soft; none would make it as stiff as for a device without delay.
+  sample.delay_s = sample.delay_s >= 0.0 ? std::min(sample.delay_s, kLongAgo_s) : 0.0;
   sample.force_share = sample.force_share >= 0.0 ? std::min(sample.force_share, 1.0) : 0.0;
   sample.tells_applied = sample.tells_applied && sample.applied_n.allFinite();
 }

@@ -50,8 +50,9 @@ class HandSpeed {
   Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();
 };
 
-/// What cannot be is not believed: nothing is measured after it was read at `time_s`, which then is its time (not where
-/// a recording's times are given); a share is none that is not from 0 to 1; of what is no number nothing is told.
+/// Replaces values that cannot be true. Times that are not finite, or later than `time_s` at which the sample was read
+/// (not with a clock of the device's own), become `time_s`; delays below 0 or NaN become 0, long ones 0.1 s; shares lie
+/// in [0, 1], NaN becomes 0; an applied force that is not finite is not told.
 void keep_to_what_can_be(DeviceSample& sample, double time_s, bool own_clock) noexcept;
 
 }  // namespace sparsha::haptics

@@ -151,7 +151,10 @@ bool check_firmware(Transport& wire, const FalconOptions& options, CheckReport& 
       "shipping one";
   try {
     enter_run_mode(wire);
-    if (firmware_answers(wire)) return passed("the firmware answers", "already running");
+    if (firmware_answers(wire)) {
+      lengthen_timer(wire);
+      return passed("the firmware answers", "already running");
+    }
     try {
       const std::vector<std::uint8_t> image = firmware_image(options);
       if (!image.empty()) {
@@ -187,7 +190,6 @@ CheckReport check_wire(Transport& wire, const FalconOptions& options, double lin
     return report;
   }
   Answer last;
-  lengthen_timer(wire);
   forget_late_answers(wire);
   report.link = measure(wire, link_s, options.stop, last);
   const bool homed = last.homed == 7;

@@ -65,7 +65,7 @@ std::vector<std::uint8_t> collect(Transport& wire, std::size_t wanted, int tries
 /// Questions that were repeated have answers on their way: they would be taken for those to later questions, and the
 /// hand would seem to be seen sooner than it is.
 void wait_for_quiet(Transport& wire) {
-  constexpr int kQuietReads = 50, kMostReads = 500;  // the bridge gives an empty packet each millisecond
+  constexpr int kQuietReads = 50, kMostReads = 500;  // the bridge gives an empty packet each 1 or 4 ms
   UsbPacket packet{};
   for (int read = 0, quiet = 0; read < kMostReads && quiet < kQuietReads; ++read) {
     std::size_t size = 0;
@@ -121,7 +121,10 @@ void enter_run_mode(Transport& wire) {
 
 void lengthen_timer(Transport& wire) {
   constexpr int kQuestions = 16, kMostLate = 2;
-  if (wire.control(Request::latency, kProbeLatency_ms) != TransportStatus::ok) return;
+  if (wire.control(Request::latency, kProbeLatency_ms) != TransportStatus::ok) {
+    set(wire, Request::latency, kShortLatency_ms, "its latency timer");  // it may have taken the other one
+    return;
+  }
   AnswerStream stream;
   Answer answer;
   int late = 0;
@@ -139,7 +142,7 @@ bool exchange(Transport& wire, AnswerStream& stream, const Packet& packet, Answe
       const TransportStatus status = wire.read(bytes, size, 5);
       if (status == TransportStatus::gone) return false;
       if (status == TransportStatus::nothing) break;
-      if (size <= kModemBytes) continue;  // the latency timer's empty packets, one a millisecond
+      if (size <= kModemBytes) continue;  // the latency timer's empty packets, each 1 or 4 ms
       if (const auto got = stream.feed(std::span(bytes).subspan(kModemBytes, size - kModemBytes))) {
         answer = *got;
         return true;

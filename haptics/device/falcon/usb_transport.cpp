@@ -170,6 +170,9 @@ class UsbTransport final : public Transport {
   }
 
   TransportStatus post(std::span<const std::uint8_t> bytes) noexcept override {
+    // Here alone: on the thread whose events end transfers, so that a slot cannot be filled anew in between.
+    for (Slot& slot : posts_) call_back_late(slot);
+    for (Slot& slot : urgents_) call_back_late(slot);
     const TransportStatus status = submit(posts_, bytes);
     // Clearing a stall takes longer and is left to receive().
     const bool stalled = in_stalled_.load() || out_stalled_.load();
@@ -270,10 +273,7 @@ class UsbTransport final : public Transport {
     if (gone_.load(std::memory_order_relaxed)) return TransportStatus::gone;
     for (Slot& slot : slots) {
       bool idle = false;
-      if (slot.transfer == nullptr || !slot.busy.compare_exchange_strong(idle, true)) {
-        call_back_late(slot);
-        continue;
-      }
+      if (slot.transfer == nullptr || !slot.busy.compare_exchange_strong(idle, true)) continue;
       slot.posted_ns.store(Steady::now().time_since_epoch().count(), std::memory_order_relaxed);
       const std::size_t size = std::min(bytes.size(), slot.bytes.size());
       std::memcpy(slot.bytes.data(), bytes.data(), size);
@@ -310,7 +310,7 @@ class UsbTransport final : public Transport {
       static_cast<void>(slot.owner->status_of(error_of(transfer->status)));
       if (transfer->status == LIBUSB_TRANSFER_STALL) slot.owner->out_stalled_.store(true);
     }
-    slot.posted_ns.store(0, std::memory_order_relaxed);  // first: a slot of another time is not late
+    slot.posted_ns.store(0, std::memory_order_relaxed);  // before `busy`: what fills the slot next is not late
     slot.busy.store(false);
   }
 

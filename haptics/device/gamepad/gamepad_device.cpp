@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <string>
 #include <thread>
 #include <utility>
@@ -113,8 +114,10 @@ class PadDevice final : public Device {
     const double reach_m = kReach * scene::kDeskWorkspace_m;
     double press = 0.0;
     if (kind_ == PadKind::tablet) {
-      wish_m_.x() = (2.0 * state_.pen_x - 1.0) * reach_m;
-      wish_m_.y() = (2.0 * state_.pen_y - 1.0) * reach_m;
+      if (current_ != nullptr) {  // unplugged, the hand stays where it was
+        wish_m_.x() = (2.0 * state_.pen_x - 1.0) * reach_m;
+        wish_m_.y() = (2.0 * state_.pen_y - 1.0) * reach_m;
+      }
       press = state_.pen_near ? state_.pressure : 0.0;
     } else {
       wish_m_.x() += kSpeed_m_per_s * dt_s * beyond_dead_zone(state_.left_x);
@@ -165,7 +168,10 @@ class PadDevice final : public Device {
 
   void take_another(int& wait) {
     wait = kShakesBetweenTries;
-    pad_ = reopen_();
+    try {
+      pad_ = reopen_();
+    } catch (const std::exception&) {  // it is tried again
+    }
     if (!pad_) return;
     wait = 0;
     lost_.store(false);

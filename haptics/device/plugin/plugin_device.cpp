@@ -1,4 +1,5 @@
 // The servo's side of a plug-in.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -97,7 +98,8 @@ class PluginDevice final : public Device {
     sample.buttons = words_[8];
     sample.time_s = time_s;
     const double delay_s = number_of(words_[7]);
-    sample.delay_s = delay_s >= 0.0 && delay_s < 0.1 ? delay_s : 0.0;
+    constexpr double kLongest_s = 0.1;
+    sample.delay_s = delay_s >= 0.0 ? std::min(delay_s, kLongest_s) : 0.0;
     sample.fresh = came && (words_[9] & 1U) != 0;
     const bool runs = worker_.end() == system::WorkerEnd::none;
     sample.connected = runs && (words_[9] & 4U) != 0;

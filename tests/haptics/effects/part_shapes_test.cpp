@@ -52,7 +52,7 @@ TEST(PartShape, AsAPolygonIsFeltAsTheSameBoxToTheLastBitsButOutsideItsCorners) {
     const double felt = box.stiffness_at({px, py, 0.0}, 800.0);
     between += felt > 300.0 && felt < 800.0 ? 1 : 0;
     EXPECT_NEAR(polygon.stiffness_at({px, py, 0.0}, 800.0), felt, corner ? 0.1 * 500.0 : 1e-9);
-    EXPECT_NEAR(polygon.grain_gain_at(px, py), box.grain_gain_at(px, py), corner ? 0.1 : 1e-12);
+    EXPECT_NEAR(polygon.grain_gain_at({px, py, 0.0}), box.grain_gain_at({px, py, 0.0}), corner ? 0.1 : 1e-12);
     EXPECT_EQ(polygon.material_at({px, py, 0.0}).name, box.material_at({px, py, 0.0}).name) << px << ' ' << py;
   }
   EXPECT_GT(between, 500);

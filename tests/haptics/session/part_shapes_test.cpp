@@ -10,6 +10,7 @@
 #include "haptics/session/guide_line.h"
 #include "haptics/session/navigator.h"
 #include "haptics/session/session.h"
+#include "haptics/state/stone_gives.h"
 #include "scene/area/regions.h"
 #include "tests/support/guided_hand.h"
 #include "tests/support/part_scenes.h"
@@ -174,7 +175,11 @@ TEST(Parts, OfAnyShapeAreSpokenWhereTheyAreTouched) {
   touch(0.066, 0.032);
   EXPECT_EQ(times_said("Polygon"), 1);
   touch(0.016, 0.032);
-  EXPECT_TRUE(until([&] { return times_said("Label") == 1; })) << "a hand that stays";
+  // A loop that was late gives no force until the hand has been in the air, and without force nothing is told.
+  EXPECT_TRUE(until([&] {
+    if (!stone_gives(session.state().read())) touch(0.016, 0.032);
+    return times_said("Label") == 1;
+  })) << "a hand that stays";
   session.requests().post({Request::Kind::quit});
   ASSERT_TRUE(until([&] { return session.finished(); }));
   session.stop();
