@@ -52,7 +52,7 @@ class Inspector {
                                in_quotes(head_.rows.front()),
                            "points as decimal signs, or semicolons, tabs or blanks between the columns");
     }
-    if (are_thousands_spaced(head_.rows)) {
+    if (are_thousands_spaced(head_.rows, layout_.style.decimal_comma)) {
       throw file_.error_at(layout_.first_row,
                            "blanks part the thousands of numbers in " + in_quotes(head_.rows.front()),
                            "numbers without separators of thousands");

@@ -115,6 +115,11 @@ bool add_digits(std::string_view row, std::vector<WrittenDigits>& columns) {
   return true;
 }
 
+/// A decimal comma that is no separator stands between quotes.
+bool has_bare_comma(std::string_view row) {
+  return row.find('"') == std::string_view::npos && row.find(',') != std::string_view::npos;
+}
+
 /// "1 234", "-12 345 678.9", between quotes too: groups of three digits behind one blank each.
 bool is_spaced_number(std::string_view value) {
   const auto is_around = [](char c) { return is_blank(c) || c == '"'; };
@@ -137,8 +142,10 @@ bool is_spaced_number(std::string_view value) {
 
 }  // namespace
 
-bool are_thousands_spaced(const std::vector<std::string_view>& rows) {
+bool are_thousands_spaced(const std::vector<std::string_view>& rows, bool decimal_comma) {
+  constexpr int kCoordinates = 3;
   for (const char separator : {'\t', ';', ','}) {
+    if (separator == ',' && decimal_comma && std::any_of(rows.begin(), rows.end(), has_bare_comma)) continue;
     std::size_t spaced = 0;
     for (std::string_view rest : rows) {
       if (count_separators(rest, separator) < 2) {
@@ -146,7 +153,8 @@ bool are_thousands_spaced(const std::vector<std::string_view>& rows) {
         break;
       }
       bool any = false;
-      for (std::size_t end = 0; end != std::string_view::npos && !any;) {
+      std::size_t end = 0;
+      for (int field = 0; field < kCoordinates && end != std::string_view::npos && !any; ++field) {
         end = rest.find(separator);
         any = is_spaced_number(rest.substr(0, end));
         if (end != std::string_view::npos) rest.remove_prefix(end + 1);
@@ -218,11 +226,7 @@ std::vector<char> possible_separators(const std::vector<std::string_view>& rows,
     auto first = rows.begin();
     while (titles && first != rows.end() && !parts(*first) && is_text(*first)) ++first;
     if (first == rows.end() || !std::all_of(first, rows.end(), parts)) continue;
-    // A decimal comma that is no separator stands between quotes.
-    const auto is_decimal = [](std::string_view row) {
-      return row.find('"') == std::string_view::npos && row.find(',') != std::string_view::npos;
-    };
-    if (separator == ',' && decimal_comma && std::any_of(rows.begin(), rows.end(), is_decimal)) continue;
+    if (separator == ',' && decimal_comma && std::any_of(rows.begin(), rows.end(), has_bare_comma)) continue;
     found.push_back(separator);
   }
   found.push_back(0);

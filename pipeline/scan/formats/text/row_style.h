@@ -21,8 +21,9 @@ enum class Commas : std::uint8_t {
 /// "0,0200,0,0000,0,0004" is three numbers or six. `names`: how many a header has; 0 without one.
 [[nodiscard]] bool are_commas_ambiguous(const std::vector<std::string_view>& rows, std::size_t names);
 
-/// True when blanks part the thousands of numbers between other separators, in most of the rows: "1 234.5; 2 345.0; 3".
-[[nodiscard]] bool are_thousands_spaced(const std::vector<std::string_view>& rows);
+/// True when blanks part the thousands of coordinates between other separators, in most of the rows: "1 234.5; 2 345.0;
+/// 3". Colours behind the coordinates may stand between blanks.
+[[nodiscard]] bool are_thousands_spaced(const std::vector<std::string_view>& rows, bool decimal_comma);
 
 /// What alone may part the values of all rows: tabs, semicolons or commas that stand in each of them, outside quotes;
 /// last 0, when blanks, commas and semicolons all do. `titles`: the first lines may be text and have none.

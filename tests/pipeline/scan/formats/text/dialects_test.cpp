@@ -34,6 +34,9 @@ TEST(Dialects, BlanksBesideSeparatorsAndColoursBetweenBlanksAreNoThousands) {
   expect_read(rows("", "1.5; 2.5; 0."));
   expect_read(rows("", " 1.5 ;\t2.5 ; 0."));
   expect_read(rows("", "234 500 1."));
+  expect_read(rows("", "412,5 812,3 12,"));
+  expect_read(rows("", "123,456 234,567 345,"));
+  expect_read(rows("", "0.5,0.25,0.1,255 128 10"));
 }
 
 TEST(Dialects, CharactersThatLookLikeAsciiAreNamed) {
