@@ -8,18 +8,20 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <span>
 #include <thread>
 
 #include "app/commands/commands.h"
 #include "app/inputs.h"
 #include "app/terminal/terminal.h"
-#include "app/version_text.h"
 #include "app/words/results.h"
 #include "app/words/sentences.h"
 #include "audio/sound_bank.h"
 #include "base/error.h"
+#include "base/files/files.h"
 #include "base/files/paths.h"
 #include "base/system.h"
+#include "base/system/process.h"
 #include "pipeline/build/build.h"
 #include "pipeline/build/on_ranks.h"
 #include "pipeline/cluster/ranks.h"
@@ -42,6 +44,8 @@ struct Arguments {
   bool resume = false;
   std::string only;
 };
+
+constexpr std::size_t kMostProgram = std::size_t{1} << 30U;  // bytes; the program is 15 MB
 
 // "statue.yaml" -> "statue.scene" beside it; a scene's own scene.yaml -> that scene, built again; scans -> beside the
 // first scan's name in the current folder.
@@ -88,7 +92,7 @@ int run_build(const Arguments& arguments, const CommonOptions& common, pipeline:
   const fs::path folder = scene_folder(arguments);
   if (arguments.resume) {
     options.finished_tiles = tiles_of(folder);
-    options.program = version_text();
+    options.program = sha256(std::as_bytes(std::span<const char>(read_file(system::program_file(), kMostProgram))));
   }
   if (arguments.resume && transport != nullptr)
     throw usage_error("--resume is for one process, and this one was started by a launcher of MPI",

@@ -61,7 +61,8 @@ int open_file(const std::string& folder, std::size_t bytes) {
   if (file < 0) return -1;
   ::unlink(name.c_str());
   // A page without room on the disk would end the program when it is written to.
-  const int error = ::posix_fallocate(file, 0, static_cast<off_t>(bytes));
+  int error = EINTR;  // a signal is no lack of room
+  while (error == EINTR) error = ::posix_fallocate(file, 0, static_cast<off_t>(bytes));
   if (error == 0) return file;
   ::close(file);
   errno = error;

@@ -450,7 +450,9 @@ BuildResult build_and_write(const scene::Config& config, const BuildOptions& opt
   if (const std::filesystem::path notes = folder / scene::kNotesFile; std::filesystem::is_regular_file(notes, code))
     write_file(target.temporary() / scene::kNotesFile, read_file(notes, kMostNotes));
   target.commit();
-  if (!options.finished_tiles.empty()) std::filesystem::remove(options.finished_tiles, code);
+  // Of a scene that was built in memory there is none; a folder or a link of that name is not ours.
+  if (std::filesystem::is_regular_file(std::filesystem::symlink_status(options.finished_tiles, code)))
+    std::filesystem::remove(options.finished_tiles, code);
   return result;
 }
 

@@ -19,6 +19,7 @@
 #include "pipeline/build/on_ranks.h"
 #include "pipeline/build/point_worth.h"
 #include "pipeline/build/refused_scans.h"
+#include "pipeline/build/sides.h"
 #include "pipeline/build/unrolled.h"
 #include "pipeline/filter/filter.h"
 #include "pipeline/filter/streamed.h"
@@ -211,7 +212,7 @@ class Builder {
       add_steps(std::move(steps));
     }
     cloud->stations = stations;  // filters make new clouds
-    use_sample(sample_of_kept(*cloud).points(), stations);
+    use_sample(*cloud, stations);
     if (unrolls()) lay_flat(*cloud, *removed);
     progress_.begin("project");
     result_.triangles = cloud->faces.size();
@@ -284,8 +285,14 @@ class Builder {
   }
 
   // For the report's pictures, the pillars and the orientation, whichever of them the configuration asks for.
+  void use_sample(const Cloud& cloud, const std::vector<Station>& stations) {
+    if (finds_pillars() || !oriented_ || (shows_sides() && cloud.faces.empty()))
+      use_sample(sample_of_kept(cloud).points(), stations);
+    if (shows_sides() && !cloud.faces.empty()) result_.kept_m = sample_of_kept(places_on_faces(cloud)).points();
+  }
+
   void use_sample(const std::vector<Eigen::Vector3d>& sample_m, const std::vector<Station>& stations) {
-    result_.kept_m = sample_m;
+    if (shows_sides()) result_.kept_m = sample_m;
     if (finds_pillars()) result_.sample_m = some_of(sample_m, 60000);
     if (!oriented_) find_orientation(sample_m, stations);
   }
@@ -335,6 +342,9 @@ class Builder {
     limit_.nodes_on_disk = true;
     result_.disk_arrays = std::make_shared<system::DiskArrays>(scratch_folder(), limit_.bytes);
   }
+
+  /// A rank holds a part of the points; whole objects have pictures of their own.
+  [[nodiscard]] bool shows_sides() const { return !options_.grid_only && !around() && !unrolls() && !shared(); }
 
   [[nodiscard]] bool thins() const {
     return std::any_of(filters_.begin(), filters_.end(), [](const scene::FilterConfig& filter) {
@@ -388,6 +398,7 @@ class Builder {
                 [&](const scene::Lattice& lattice, std::uint64_t bytes_per_point) {
                   const std::uint64_t nodes = node_bytes(scans, lattice);
                   put_nodes_on_disk_unless_they_fit(nodes, bytes_per_point, 0, lattice);
+                  if (!limit_.nodes_on_disk) require_room(lattice, nodes);
                   (void)points_of_a_tile({limit_.bytes, 0, limit_.nodes_on_disk}, nodes, bytes_per_point, 0, lattice);
                 });
   }
@@ -416,7 +427,7 @@ class Builder {
     require_room_by_sample(scans);
     progress_.begin("points to disk");
     StreamedFilters streamed(scans, filters_, {pool_, progress_});
-    if (!oriented_ || finds_pillars() || !shared()) streamed.sample_kept();
+    if (!oriented_ || finds_pillars() || shows_sides()) streamed.sample_kept();
     CloudOnDisk cloud = write_to_disk(scans, std::move(streamed), config_.grid.colour, config_.grid.intensity,
                                       scratch_folder(), options_.ranks, progress_);
     if (cloud.all == 0) throw no_points(config_);
@@ -435,6 +446,7 @@ class Builder {
     const std::uint64_t nodes = node_bytes(scans, lattice);
     const std::uint64_t bytes_per_point = tiled.plan().bytes_per_point();
     put_nodes_on_disk_unless_they_fit(nodes, bytes_per_point, sample_bytes, lattice);
+    if (!limit_.nodes_on_disk) require_room(lattice, nodes);
     const std::uint64_t tile_points = points_of_a_tile(limit_, nodes, bytes_per_point, sample_bytes, lattice);
     if (checks()) require_room_for_sample(limit_, *config_.check, result_.points.read, nodes, lattice);
     if (resumes()) result_.sources = scans.sources();
@@ -473,26 +485,6 @@ class Builder {
 
 ProjectedScans project_scans(const scene::Config& config, const BuildOptions& options, const Context& context) {
   return Builder(config, options, context).run();
-}
-
-Report take_counts(ProjectedScans& scans) {
-  Report report;
-  report.points = scans.points;
-  report.triangles = scans.triangles;
-  report.filters = std::move(scans.filters);
-  report.kept_m = std::move(scans.kept_m);
-  report.orientation = std::move(scans.orientation);
-  report.points.used = scans.projection.used;
-  report.points.occluded = scans.projection.occluded;
-  report.points.scattered = scans.projection.scattered;
-  report.surface.method = scans.projection.only_mesh ? "triangles"
-                          : scans.projection.discs   ? "tangent discs"
-                                                     : "windows";
-  report.surface.sparse_share = scans.projection.sparse_share;
-  report.points.edge_on = scans.projection.edge_on;
-  report.points.outlier += scans.projection.outlier;
-  report.points.outside = scans.projection.outside;
-  return report;
 }
 
 }  // namespace sparsha::pipeline

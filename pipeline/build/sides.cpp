@@ -1,12 +1,22 @@
 // Pictures of the sample of points that is kept for the report.
 #include "pipeline/build/sides.h"
 
+#include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "pipeline/orient/side_picture.h"
 #include "pipeline/orient/thumbnails.h"
+#include "pipeline/scan/sampled_faces.h"
 
 namespace sparsha::pipeline {
+
+Cloud places_on_faces(const Cloud& mesh) {
+  constexpr double kPlaces = 65'000.0;
+  constexpr std::uint64_t kSeed = 5;
+  const double area_m2 = area_of_faces(mesh);
+  return area_m2 > 0.0 ? sample_faces(mesh, std::sqrt(area_m2 / kPlaces), kSeed) : mesh;
+}
 
 void add_sides(const Eigen::Matrix4d& scan_to_grid, Report& report) {
   static_assert(Report::kNoSurface == Thumbnail::kNothing);

@@ -43,8 +43,10 @@ std::span<const std::byte> bytes_of(const std::vector<T>& values) {
   return std::as_bytes(std::span<const T>(values));
 }
 
-std::string sum_of(const Head& head, const TileNodes& nodes) {
+// The key is part of it: tiles that another build appends to the same file are not taken for this one's.
+std::string sum_of(const std::string& key, const Head& head, const TileNodes& nodes) {
   Sha256 sum;
+  sum.add(std::as_bytes(std::span<const char>(key)));
   sum.add(std::as_bytes(std::span<const Head>(&head, 1)));
   sum.add(bytes_of(nodes.height_m));
   sum.add(bytes_of(nodes.state));
@@ -102,8 +104,9 @@ void put_nodes(const Tile& tile, const TileNodes& nodes, scene::DepthGrid& grid,
   });
 }
 
-FinishedTiles::FinishedTiles(std::filesystem::path file, const std::string& key) : file_(std::move(file)) {
-  const std::string first = kFormat + key + "\n";
+FinishedTiles::FinishedTiles(std::filesystem::path file, std::string key)
+    : file_(std::move(file)), key_(std::move(key)) {
+  const std::string first = kFormat + key_ + "\n";
   std::error_code code;
   const std::filesystem::file_status status = std::filesystem::symlink_status(file_, code);
   const bool is_there = std::filesystem::exists(status);
@@ -160,7 +163,7 @@ bool FinishedTiles::take(const Tile& tile, TileNodes& nodes) {
   read_values(stream_, head.verdicts, nodes.verdicts);
   std::string sum(kSumBytes, '\0');
   stream_.read(sum.data(), static_cast<std::streamsize>(sum.size()));
-  return stream_ && sum == sum_of(head, nodes);
+  return stream_ && sum == sum_of(key_, head, nodes);
 }
 
 void FinishedTiles::add(const Tile& tile, const TileNodes& nodes) {
@@ -171,7 +174,7 @@ void FinishedTiles::add(const Tile& tile, const TileNodes& nodes) {
   write_values(stream_, nodes.height_m);
   write_values(stream_, nodes.state);
   write_values(stream_, nodes.verdicts);
-  stream_ << sum_of(head, nodes) << std::flush;
+  stream_ << sum_of(key_, head, nodes) << std::flush;
   if (!stream_) throw cannot_write(file_);
 }
 

@@ -28,13 +28,13 @@ struct TileNodes {
 void put_nodes(const Tile& tile, const TileNodes& nodes, scene::DepthGrid& grid, std::vector<std::uint8_t>& verdicts);
 
 /// The file begins with a line that names its format and the key; then tile by tile the four borders, the number of
-/// scattered points, the size of the verdicts, heights, states, verdicts and a SHA-256 of all that, as this machine has
-/// numbers in memory.
+/// scattered points, the size of the verdicts, heights, states, verdicts and a SHA-256 of the key and all that, as this
+/// machine has numbers in memory.
 class FinishedTiles {
  public:
   /// Opens the file, or makes it; what it holds of another `key` (one line: whatever decides the tiles' bytes) is left
   /// out, and so is a tile that was being written. Throws Error{failure} when it cannot be written.
-  FinishedTiles(std::filesystem::path file, const std::string& key);
+  FinishedTiles(std::filesystem::path file, std::string key);
 
   /// Whether the file held tiles of another key.
   [[nodiscard]] bool was_of_another() const { return was_of_another_; }
@@ -52,6 +52,7 @@ class FinishedTiles {
   [[nodiscard]] std::uint64_t find_tiles(std::uint64_t begin, std::uint64_t size);
 
   std::filesystem::path file_;
+  std::string key_;
   std::map<Borders, std::uint64_t> places_;  ///< of tiles in the file
   bool was_of_another_ = false;
   std::fstream stream_;

@@ -6,6 +6,7 @@
 #include <new>
 
 #include "base/error.h"
+#include "base/system/disk_arrays.h"
 #include "pipeline/projection/attributes.h"
 #include "pipeline/projection/classification.h"
 #include "pipeline/projection/edge_on.h"
@@ -123,6 +124,7 @@ Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const scene::
   }
   return projection;
 } catch (const std::bad_alloc&) {
+  system::throw_if_disk_was_full();
   throw usage_error("the depth grid does not fit into memory", "a smaller grid.size or larger grid.spacing_mm");
 }
 
