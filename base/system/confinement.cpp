@@ -56,10 +56,18 @@ constexpr auto kPowers = std::to_array<long>({
     SYS_sethostname,
     SYS_acct,
     SYS_quotactl,
+    SYS_fsopen,
+    SYS_fsmount,
+    SYS_open_tree,
+    SYS_move_mount,
+    SYS_kexec_file_load,
+    SYS_pidfd_getfd,
+    SYS_io_uring_setup,  // its operations pass no filter
 });
 constexpr auto kProgramsAndFiles = std::to_array<long>({
   SYS_execve, SYS_execveat, SYS_unlinkat, SYS_renameat2, SYS_mkdirat, SYS_mknodat, SYS_linkat, SYS_symlinkat,
-      SYS_fchmod, SYS_fchmodat, SYS_fchown, SYS_fchownat, SYS_truncate, SYS_setxattr, SYS_fsetxattr, SYS_openat2,
+      SYS_fchmod, SYS_fchmodat, SYS_fchown, SYS_fchownat, SYS_truncate, SYS_setxattr, SYS_lsetxattr, SYS_fsetxattr,
+      SYS_openat2,
 #if defined(__x86_64__)
       SYS_unlink, SYS_rename, SYS_renameat, SYS_mkdir, SYS_rmdir, SYS_mknod, SYS_link, SYS_symlink, SYS_chmod,
       SYS_chown, SYS_lchown, SYS_creat,
@@ -117,11 +125,11 @@ class Filter {
     lines_[size_++] = {static_cast<__u16>(code), static_cast<__u8>(if_true), static_cast<__u8>(if_false), value};
   }
 
-  std::array<sock_filter, 160> lines_{};
+  std::array<sock_filter, 200> lines_{};
   std::size_t size_ = 0;
 };
 
-static_assert(2 * (kPowers.size() + kProgramsAndFiles.size()) + 30 < 160);
+static_assert(2 * (kPowers.size() + kProgramsAndFiles.size()) + 40 < 200);
 
 }  // namespace
 
@@ -132,9 +140,9 @@ bool confine_thread(Confinement what) noexcept {
   if (what == Confinement::watch) {
     filter.refuse_calls(kProgramsAndFiles);
     constexpr unsigned kFlagsOfOpenat = 2;
-    filter.refuse_bits(SYS_openat, kFlagsOfOpenat, O_CREAT);
+    filter.refuse_bits(SYS_openat, kFlagsOfOpenat, O_CREAT | (O_TMPFILE & ~O_DIRECTORY));
 #if defined(__x86_64__)
-    filter.refuse_bits(SYS_open, 1, O_CREAT);
+    filter.refuse_bits(SYS_open, 1, O_CREAT | (O_TMPFILE & ~O_DIRECTORY));
 #endif
     filter.refuse_all_but(SYS_socket, 0, AF_UNIX);
   }

@@ -97,7 +97,7 @@ EffectForces::Output EffectForces::update(const Input& input, const SurfaceEffec
     slide.scale = effects->scale;
     slide.contact = stayed;
     const Grain::Output grain = grain_.update(slide, effects->field);
-    const double press_n = pressed_n * effects->grain_gain_at(input.place_m.x(), input.place_m.y());
+    const double press_n = pressed_n * effects->grain_gain_at(input.place_m);
     const Eigen::Vector3d slope =
         effects->region_from_grid.transpose() * Eigen::Vector3d(grain.slope.x(), grain.slope.y(), 0.0);
     const double most_j = kMostDeviations * press_n * effects->scale * grain.deviation_m;

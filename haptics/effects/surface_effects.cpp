@@ -24,11 +24,11 @@ const scene::MaterialTouch& SurfaceEffects::material_at(const Eigen::Vector3d& p
   return scene::touch_of(material);
 }
 
-double SurfaceEffects::grain_gain_at(double x_m, double y_m) const noexcept {
+double SurfaceEffects::grain_gain_at(const Eigen::Vector3d& place_m) const noexcept {
   double gain = scene::touch_of(material).grain_gain;
   for (auto part = parts.rbegin(); part != parts.rend(); ++part)
     if (part->material)
-      gain += (scene::touch_of(*part->material).grain_gain - gain) * part->area.share_inside(x_m, y_m, border_m);
+      gain += (scene::touch_of(*part->material).grain_gain - gain) * part->area.share_inside(place_m, border_m);
   return gain;
 }
 

@@ -51,7 +51,7 @@ struct SurfaceEffects {
   /// stone_m.
   [[nodiscard]] double stone_z_m(double x_m, double y_m) const noexcept;
   /// Of the grain's heights; likewise smooth.
-  [[nodiscard]] double grain_gain_at(double x_m, double y_m) const noexcept;
+  [[nodiscard]] double grain_gain_at(const Eigen::Vector3d& place_m) const noexcept;
 };
 
 /// From each node to the nearest known one, in metres, along the lattice's eight directions: at most 8 % too far. Where

@@ -162,14 +162,14 @@ class Bend {
 }  // namespace
 
 void add_texture(scene::Charts& charts, const scene::TextureConfig& config, const Context& context) {
-  const double reach_m = kReach * config.sigma_space_m;
+  const double reach_m = std::max(kReach * config.sigma_space_m, charts.spacing_m);
   const SurfaceNodes nodes(charts, reach_m, stride_for(reach_m, charts.spacing_m),
                            [](const scene::Sheet&, std::size_t) { return 0.0; });
   for_nodes(charts, nodes, &scene::Sheet::texture_m, context, Envelope(config));
 }
 
 void add_curvature(scene::Charts& charts, double scale_m, double noise_m, const Context& context) {
-  const double reach_m = kFitReach * scale_m;
+  const double reach_m = std::max(kFitReach * scale_m, charts.spacing_m);
   const double noise_k = kNoiseGain * noise_m / (scale_m * scale_m);
   const SurfaceNodes nodes(
       charts, reach_m, stride_for(reach_m, charts.spacing_m),

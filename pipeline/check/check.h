@@ -1,4 +1,5 @@
-// The kd-tree cross-check of a depth grid against the raw points, through PCL's FLANN tree.
+// The cross-check of a depth grid against the raw points: their distances to the surface, and by FLANN's kd-tree
+// through PCL those of its nodes to the points.
 #pragma once
 
 #include <cstdint>

@@ -34,10 +34,10 @@ struct SidePicture {
                                        const Eigen::Vector3d& up);
 
 /// Share of the points that no others hide from that side, 0 to 1: nearly 1 for what was scanned from there alone.
-/// Of what was scanned from one side alone, at least so much.
-inline constexpr double kOneSided = 0.75;
 [[nodiscard]] double seen_share(const EvenPoints& object, const SidePicture& picture, const Eigen::Vector3d& look_from,
                                 const Eigen::Vector3d& up);
+/// The share from which an object counts as scanned from one side.
+inline constexpr double kOneSided = 0.75;
 
 /// Carving on the surface seen: heights over their surroundings without steps, at the scale of eyes and mouths on a
 /// bust, within -1 and 1 pixel; 0 where nothing is.

@@ -161,7 +161,7 @@ std::optional<Standing> standing_of(const EvenPoints& object, bool z_up) {
                                                : custom.reason
                     : best.foot > kEvidentFoot
                         ? fmt::format("it stands on a flat base ({:.0f} % of its outline)", 100.0 * best.foot)
-                        : "upright like this its carving is more like its mirror image than as custom has it";
+                        : "of the ways to stand, by foot and by the mirror symmetry of its carving, this one is best";
   return standing;
 }
 

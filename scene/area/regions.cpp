@@ -93,7 +93,6 @@ void make_areas(SceneDescription& scene) {
 Area area_of(const SceneDescription& scene, std::size_t part) {
   const PartConfig& config = scene.config.parts.at(part);
   if (config.is_box()) return Area(config.box_m);
-  if (config.solid_m) return solid_area(scene, *config.solid_m);
   const bool ready = scene.part_areas && scene.part_areas->size() == scene.config.parts.size();
   return ready ? (*scene.part_areas)[part] : make_area(scene, config);
 }
