@@ -35,6 +35,7 @@ constexpr double kReached = 0.995;
 constexpr double kWish_s = 0.120;  // until a new wish is fulfilled in contact
 constexpr double kSofter = 0.5;    // after each onset of oscillation
 constexpr double kSoftest = 0.06;
+constexpr double kMeasuredFor_s = 1.0;    // a delay that was told, without another one
 constexpr double kForget_s = 10.0;        // in free space, until the whole stiffness is tried again
 constexpr double kStrike_m_per_s = 0.08;  // a faster touch is a strike
 constexpr double kBounce_s = 0.100;       // a hand that comes back sooner has bounced
@@ -217,6 +218,17 @@ void Governor::watch_strike(double speed_m_per_s, double away_s) noexcept {
   soften();
 }
 
+/// Delays that the device no longer measures are forgotten in free space.
+void Governor::watch_delay(const GovernorInput& input) noexcept {
+  if (input.delay_s > 0.0) {
+    delays_.add(input.delay_s);
+    unmeasured_s_ = 0.0;
+    return;
+  }
+  unmeasured_s_ += input.period_s;
+  if (unmeasured_s_ > kMeasuredFor_s && !input.contact && delays_.p95_s(0.0) > 0.0) delays_ = {};
+}
+
 /// Strikes and growing swings: both get damping until they are calm, a growing swing a softer wall besides.
 void Governor::watch_hand(const GovernorInput& input) noexcept {
   const Vector3d moved_m = has_last_ ? Vector3d(input.position_m - last_position_m_) : Vector3d::Zero();
@@ -227,7 +239,7 @@ void Governor::watch_hand(const GovernorInput& input) noexcept {
   const double seen_s = std::exchange(unseen_s_, 0.0) + input.period_s;
   periods_.add(seen_s);
   recent_periods_.add(seen_s);
-  if (input.delay_s > 0.0) delays_.add(input.delay_s);
+  watch_delay(input);
   in_contact_ = input.contact;
   if (input.contact) {
     const bool comes = away_s_ > 0.005;

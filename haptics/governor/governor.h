@@ -127,6 +127,7 @@ class Governor {
   [[nodiscard]] GovernorOutput forget() noexcept;
   void watch_hand(const GovernorInput& input) noexcept;
   void watch_strike(double speed_m_per_s, double away_s) noexcept;
+  void watch_delay(const GovernorInput& input) noexcept;
   void damp() noexcept;
   void soften() noexcept;
   void learn_step(double moved_m, double period_s) noexcept;
@@ -171,7 +172,8 @@ class Governor {
   LoopMeter<2048> periods_;  // some seconds: its percentile hardly moves with jitter
   LoopMeter<> recent_periods_;
   LoopMeter<> delays_;
-  double pace_s_ = 0.0;  // of this tick
+  double unmeasured_s_ = 0.0;  // since the device told a delay
+  double pace_s_ = 0.0;        // of this tick
   bool jitters_ = false;
   SwingDetector swing_;
   LateLoop late_;

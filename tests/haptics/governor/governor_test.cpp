@@ -288,6 +288,26 @@ TEST(Governor, TheStiffnessFollowsThePeriodAndTheDelayThatAreMeasured) {
   EXPECT_GE(after(0, 0.003), stiffness_limit({}, kPeriod, 0.003) / 1.05);
 }
 
+TEST(Governor, ADelayIsForgottenInFreeSpaceOnceNoneHasBeenToldForASecond) {
+  Governor governor = armed_governor();
+  const auto after = [&governor](int ticks, double delay_s, bool contact) {
+    for (int k = 0; k < ticks; ++k) {
+      GovernorInput input = still(contact ? Vector3d{0, 0, 0.1} : Vector3d::Zero(), contact);
+      input.delay_s = k % 2 == 0 ? delay_s : 0.0;
+      (void)governor.update(input);
+      (void)governor.stiffness(1e5, kPeriod);
+    }
+    return governor.limit_n_per_m();
+  };
+  const double soft_n_per_m = stiffness_limit({}, kPeriod, 0.1);
+  EXPECT_LE(after(300, 0.1, true), soft_n_per_m);
+  EXPECT_LE(after(3000, 0.0, true), soft_n_per_m) << "in contact nothing becomes stiffer";
+  EXPECT_LE(after(300, 0.1, true), soft_n_per_m);
+  EXPECT_LE(after(900, 0.0, false), soft_n_per_m) << "less than a second";
+  EXPECT_DOUBLE_EQ(after(200, 0.0, false), stiffness_limit({}, kPeriod));
+  EXPECT_LE(after(300, 0.1, false), soft_n_per_m) << "and is learned anew";
+}
+
 TEST(Governor, TheStiffnessNeverRisesInContactUnlessTheWishDoes) {
   Governor governor = armed_governor();
   double last = governor.stiffness(800.0, kPeriod);
