@@ -362,6 +362,7 @@ BuildResult build_scene(const scene::Config& given, const BuildOptions& options,
     progress.begin("pyramid");
     levels = build_pyramid(base, config.levels.window, pool);
   } else {
+    if (const auto ignored = ignored_by_heights(config)) progress.warn(*ignored);
     without_sides(scene.config);
     scene.config.texture.reset();
     scene.config.friction.reset();

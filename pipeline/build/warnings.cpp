@@ -5,9 +5,11 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/error.h"
 #include "base/text/text.h"
+#include "scene/config/config.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -158,6 +160,18 @@ void require_surface_near_points(const Projection& projection, const scene::Latt
                   "median): it is not theirs",
                   length_text(lattice.spacing_m), words_of(check.against), length_text(distances.median_m)),
       "another orientation" + filter + ", a larger grid.spacing_mm or fewer outliers; --force builds it all the same");
+}
+
+std::optional<std::string> ignored_by_heights(const scene::Config& config) {
+  const auto solid = [](const auto& box) { return box.solid_m.has_value(); };
+  std::vector<std::string> ignored;
+  if (!config.filters.empty()) ignored.emplace_back("filters");
+  if (config.around) ignored.emplace_back("around");
+  if (std::any_of(config.parts.begin(), config.parts.end(), solid)) ignored.emplace_back("parts in space");
+  if (config.audio && std::any_of(config.audio->regions.begin(), config.audio->regions.end(), solid))
+    ignored.emplace_back("audio regions in space");
+  if (ignored.empty()) return std::nullopt;
+  return fmt::format("only heights are built; ignored of the configuration: {}", fmt::join(ignored, ", "));
 }
 
 }  // namespace sparsha::pipeline

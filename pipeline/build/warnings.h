@@ -8,6 +8,10 @@
 #include "pipeline/check/check.h"
 #include "pipeline/projection/projection.h"
 
+namespace sparsha::scene {
+struct Config;
+}
+
 namespace sparsha::pipeline {
 
 /// What is wrong with a surface, in figures; `surface_warnings` puts the same into words.
@@ -28,6 +32,10 @@ struct SurfaceDoubts {
 [[nodiscard]] std::vector<std::string> surface_warnings(const Projection& projection, const scene::Lattice& lattice,
                                                         std::uint64_t measured,
                                                         const std::optional<CheckResult>& check);
+
+/// What a build of heights alone (`BuildOptions::grid_only`) leaves out and whose absence makes another surface or
+/// another object than that of the configuration; nothing where there is none of it.
+[[nodiscard]] std::optional<std::string> ignored_by_heights(const scene::Config& config);
 
 /// Throws Error{input} when the surface lies farther from half of the points than a grid spacing: it is not theirs; and
 /// when nearly all points lie on surfaces that the view shows edge-on. Names the filter that would help.
