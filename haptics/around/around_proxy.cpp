@@ -204,9 +204,10 @@ class Course {
     if (move_to_same_surface(cell)) return Look::moves;
     if (cell >= kLookCell) return Look::stays;
     const Look at_edge = pass_edge();
-    if (at_edge != Look::stays || cell == kRimCell) return at_edge;
+    if (at_edge != Look::stays) return at_edge;
+    if (cell == kRimCell) return fall_beyond_edge(kLookCell) ? Look::moves : Look::stays;
     if (left_count_ > 0) return stop_unfinished() ? Look::moves : Look::leaves;
-    if (fall_beyond_edge()) return Look::moves;
+    if (fall_beyond_edge(kRimCell)) return Look::moves;
     // The surface has ended: the proxy is let go.
     take_off(hip_m_);
     found_.released = true;
@@ -214,13 +215,16 @@ class Course {
   }
 
   /// A proxy may have gone on further beyond an edge than pass_edge() looks: what lies on its way to the hand is
-  /// entered from outside. False where nothing does, or where it would be the sheet itself.
-  bool fall_beyond_edge() noexcept {
+  /// entered from outside, in cells worth `least` or more. False where nothing does, or where it would be the sheet
+  /// itself.
+  bool fall_beyond_edge(std::uint8_t least) noexcept {
     const Flight flight = fly(object_, state_.position_m, hip_m_, true, options_.shape);
     if (!flight.crossing || flight.crossing->sheet == state_.sheet || !may_enter(flight.crossing->sheet)) return false;
-    ++found_.edges;
     const SheetSurface& other = object_.sheets[flight.crossing->sheet];
-    move_to(flight.crossing->sheet, view_of(other, other.to_object(flight.crossing->local_m)));
+    const SheetView there = view_of(other, other.to_object(flight.crossing->local_m));
+    if (there.cell < least) return false;
+    ++found_.edges;
+    move_to(flight.crossing->sheet, there);
     return true;
   }
 

@@ -21,8 +21,9 @@ constexpr double kBetweenSheets = 0.6;  // cells, along the normal
 // A way that is so far from a sheet's planes does not meet it. Catmull-Rom patches overshoot the planes.
 template <class Surface>
 constexpr double kApart = std::is_same_v<Surface, C1Surface> ? kMiss : kBetweenSheets + 0.05;  // cells
-constexpr double kOverlap = 1e-3;  // cells: ways through neighbouring blocks overlap by so much
-constexpr double kOnEdge = 1e-3;   // cells: so far outside, a place still counts as inside an edge
+constexpr double kOnSurface = 1e-6;  // cells: no deeper, a way begins on a surface
+constexpr double kOverlap = 1e-3;    // cells: ways through neighbouring blocks overlap by so much
+constexpr double kOnEdge = 1e-3;     // cells: so far outside, a place still counts as inside an edge
 // A rim does not reach further out of the sheet beyond an edge: two cells of its side, whose direction the edge's other
 // face may have steep under it. What is continued itself says less.
 constexpr double kOutsideCells = 4.5;  // cells
@@ -111,7 +112,10 @@ class SheetMarch {
       const bool hovering =
           first && may_hover_ && gap * gap <= kBetweenSheets * kBetweenSheets * (1.0 + fs * fs + ft * ft);
       if (came_outside || (hovering && inwards)) return at;
-      return kMiss;
+      // A way that leaves the surface may meet it again in the same cell.
+      if (inwards || !first || gap < -kOnSurface) return kMiss;
+      const double again = ray_patch_hit(patch, p, w_, out - at, true);
+      return again <= out - at ? at + again : kMiss;
     }
     const double hit = ray_patch_hit(patch, p, w_, out - at, false);
     if (hit <= out - at) return at + hit;
