@@ -208,9 +208,10 @@ class Course {
     if (cell == kRimCell) return fall_beyond_edge(kLookCell) ? Look::moves : Look::stays;
     if (left_count_ > 0) return stop_unfinished() ? Look::moves : Look::leaves;
     if (fall_beyond_edge(kRimCell)) return Look::moves;
+    if (hold_from_over()) return Look::moves;
     // The surface has ended: the proxy is let go.
     take_off(hip_m_);
-    found_.released = true;
+    found_.released = held_at(object_, kNoSheet, hip_m_) != Held::outside;
     return Look::leaves;
   }
 
@@ -225,6 +226,15 @@ class Course {
     if (there.cell < least) return false;
     ++found_.edges;
     move_to(flight.crossing->sheet, there);
+    return true;
+  }
+
+  /// A hand that is inside is held by the nearest sheet over it; false where there is none.
+  bool hold_from_over() noexcept {
+    const auto over = surface_over(object_, hip_m_);
+    if (!over || over->sheet == state_.sheet || !may_enter(over->sheet)) return false;
+    ++found_.edges;
+    move_to(over->sheet, view_of(object_.sheets[over->sheet], hip_m_));
     return true;
   }
 

@@ -128,22 +128,6 @@ class SheetMarch {
   bool may_hover_;  // the way may begin between two sheets
 };
 
-/// What the other sheets say of a place over a sheet's rim: outside, held inside, or nothing.
-enum class Held { outside, inside, unknown };
-Held held_at(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& place_m) noexcept {
-  Held held = Held::unknown;
-  for (const Passing& other : object.blocks.sheets_at(place_m)) {
-    if (other.sheet == own) continue;
-    const SheetView view = view_of(object.sheets[other.sheet], place_m);
-    const double gap = view.gap_m / object.spacing_m;
-    const double most = view.cell == kRimCell ? kOutsideRimCells : kOutsideCells;
-    if (view.cell == kNoCell || gap > most || gap < -kInsideCells) continue;
-    if (gap > kOnEdge) return Held::outside;
-    held = Held::inside;
-  }
-  return held;
-}
-
 /// The rim belongs to the object only where another sheet says that its place is inside, or that one just behind it,
 /// where the other sheet begins.
 bool is_edge(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& place_m,
@@ -153,24 +137,6 @@ bool is_edge(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector
     if (held != Held::unknown) return held == Held::inside;
   }
   return false;
-}
-
-/// The nearest surface over a place that all sheets about it say is inside: where a way has come in between the rims of
-/// sheets that do not quite meet.
-std::optional<Crossing> surface_over(const ObjectSurface& object, const Eigen::Vector3d& place_m) noexcept {
-  Crossing nearest;
-  double least = kInsideCells * object.spacing_m;
-  for (const Passing& passing : object.blocks.sheets_at(place_m)) {
-    const std::uint32_t sheet = passing.sheet;
-    const SheetView view = view_of(object.sheets[sheet], place_m);
-    if (view.cell == kNoCell || view.gap_m > kOutsideRimCells * object.spacing_m) continue;
-    if (view.gap_m > kOnEdge * object.spacing_m) return {};
-    if (view.cell == kRimCell || -view.gap_m >= least) continue;
-    least = -view.gap_m;
-    nearest = {sheet, 1.0, view.local};
-  }
-  if (nearest.sheet == kNoSheet) return {};
-  return nearest;
 }
 
 template <class Surface>
@@ -301,6 +267,36 @@ std::optional<Crossing> stop_over(const ObjectSurface& object, std::uint32_t own
 }
 
 }  // namespace
+
+Held held_at(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& place_m) noexcept {
+  Held held = Held::unknown;
+  for (const Passing& other : object.blocks.sheets_at(place_m)) {
+    if (other.sheet == own) continue;
+    const SheetView view = view_of(object.sheets[other.sheet], place_m);
+    const double gap = view.gap_m / object.spacing_m;
+    const double most = view.cell == kRimCell ? kOutsideRimCells : kOutsideCells;
+    if (view.cell == kNoCell || gap > most || gap < -kInsideCells) continue;
+    if (gap > kOnEdge) return Held::outside;
+    held = Held::inside;
+  }
+  return held;
+}
+
+std::optional<Crossing> surface_over(const ObjectSurface& object, const Eigen::Vector3d& place_m) noexcept {
+  Crossing nearest;
+  double least = kInsideCells * object.spacing_m;
+  for (const Passing& passing : object.blocks.sheets_at(place_m)) {
+    const std::uint32_t sheet = passing.sheet;
+    const SheetView view = view_of(object.sheets[sheet], place_m);
+    if (view.cell == kNoCell || view.gap_m > kOutsideRimCells * object.spacing_m) continue;
+    if (view.gap_m > kOnEdge * object.spacing_m) return {};
+    if (view.cell == kRimCell || -view.gap_m >= least) continue;
+    least = -view.gap_m;
+    nearest = {sheet, 1.0, view.local};
+  }
+  if (nearest.sheet == kNoSheet) return {};
+  return nearest;
+}
 
 std::optional<Crossing> stopped_by(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& from_m,
                                    const Eigen::Vector3d& to_m, const Eigen::Vector3d& normal,

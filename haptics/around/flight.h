@@ -31,6 +31,15 @@ struct Flight {
                          bool leaving, CellShape shape) noexcept;
 inline constexpr int kMostBlocks = 256;
 
+/// What sheets other than `own` say of a place: outside of one of them, inside of all that are near, or nothing.
+enum class Held : std::uint8_t { outside, inside, unknown };
+[[nodiscard]] Held held_at(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& place_m) noexcept;
+
+/// The nearest measured surface over a place that all sheets about it say is inside, at most four cells away: where a
+/// way has come in between the rims of sheets that do not quite meet. Its share is 1.
+[[nodiscard]] std::optional<Crossing> surface_over(const ObjectSurface& object,
+                                                   const Eigen::Vector3d& place_m) noexcept;
+
 /// The first sheet other than `own` that a proxy sliding over a short straight way, where the surface has this normal,
 /// runs into. A sheet whose normal is within 30 degrees is the same surface and stops nothing.
 [[nodiscard]] std::optional<Crossing> stopped_by(const ObjectSurface& object, std::uint32_t own,

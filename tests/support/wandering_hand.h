@@ -91,12 +91,24 @@ class Wanderer {
 struct Outcome {
   std::size_t ticks = 0, contacts = 0, through = 0, not_a_number = 0, unfinished = 0, released = 0, hand_overs = 0,
               edges = 0, off_surface = 0, compared = 0, apart = 0;
+  std::size_t forked = 0;  ///< not compared: proxy and judge lie on two sides of a hand that was in the middle of stone
   std::size_t trapped = 0;   ///< held although the hand is a spacing outside
   double force_error = 0.0;  ///< mean, of the force's magnitude
   double turn_deg = 0.0;     ///< mean, of its direction
   double ns_median = 0.0, ns_p99 = 0.0;
   double kick = 0.0;  ///< largest growth of the force's arm in a tick beyond the hand's own step
 };
+
+/// A hand about as far from two faces as from one: which of them holds it is decided by less than a scan's noise.
+inline bool is_in_the_middle(const GodObject& judge, const Eigen::Vector3d& hand_m, double h) {
+  constexpr double kAbout = 0.6;
+  constexpr double kOtherFace = 0.5;  // cosine of 60 degrees
+  const Eigen::Vector3d normal = judge.normal(hand_m);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double sign : {-1.0, 1.0})
+      if (judge.normal(hand_m + sign * kAbout * h * Eigen::Vector3d::Unit(axis)).dot(normal) < kOtherFace) return true;
+  return false;
+}
 
 /// `judged`: the god-object goes along, which takes most of the time; else the distance to the surface alone.
 inline Outcome wander(const Touched& on, std::size_t ticks, double deepest, std::uint64_t seed,
@@ -111,6 +123,7 @@ inline Outcome wander(const Touched& on, std::size_t ticks, double deepest, std:
   double errors = 0.0, turns = 0.0;
   Eigen::Vector3d last_arm = Eigen::Vector3d::Zero(), last_hip = hand.start();
   std::vector<double> times;
+  bool forked = false;
   for (; out.ticks < ticks; ++out.ticks) {
     const Eigen::Vector3d hip = hand.next();
     const auto begin = std::chrono::steady_clock::now();
@@ -137,7 +150,15 @@ inline Outcome wander(const Touched& on, std::size_t ticks, double deepest, std:
     }
     if (!judged) continue;
     judge.move(hip);
+    if (!found.contact || !judge.contact()) forked = false;
     if (!found.contact || !judge.contact() || d > -on.h) continue;
+    const double between_m = (judge.place_m() - place).norm();
+    if (forked) forked = between_m > on.h;
+    if (!forked && between_m > on.h) forked = is_in_the_middle(judge, hip, on.h);
+    if (forked) {
+      ++out.forked;
+      continue;
+    }
     const Eigen::Vector3d want = judge.place_m() - hip;
     const Eigen::Vector3d force = place - hip;
     const double error = std::abs(force.norm() - want.norm()) / want.norm();

@@ -37,9 +37,10 @@ void expect_true(const Touched& on, const Outcome& o, double most_error) {
   const std::string all = on.name + ": " + std::to_string(o.contacts) + " contacts, " + std::to_string(o.through) +
                           " through, " + std::to_string(o.unfinished) + " unfinished, " + std::to_string(o.hand_overs) +
                           " hand-overs, " + std::to_string(o.edges) + " edges, " + std::to_string(o.off_surface) +
-                          " off, " + std::to_string(o.apart) + " of " + std::to_string(o.compared) + " apart, force " +
-                          std::to_string(o.force_error) + ", " + std::to_string(o.turn_deg) + " degrees, " +
-                          std::to_string(o.ns_median) + " and " + std::to_string(o.ns_p99) + " ns";
+                          " off, " + std::to_string(o.apart) + " of " + std::to_string(o.compared) + " apart, " +
+                          std::to_string(o.forked) + " forked, force " + std::to_string(o.force_error) + ", " +
+                          std::to_string(o.turn_deg) + " degrees, " + std::to_string(o.ns_median) + " and " +
+                          std::to_string(o.ns_p99) + " ns";
   if (std::getenv("SPARSHA_FIGURES") != nullptr) std::printf("%s\n", all.c_str());
   EXPECT_GT(o.contacts, o.ticks / 4) << all;
   EXPECT_GT(o.hand_overs, 5U) << all;
@@ -48,6 +49,7 @@ void expect_true(const Touched& on, const Outcome& o, double most_error) {
   EXPECT_EQ(o.released, 0U) << all;
   EXPECT_EQ(o.off_surface, 0U) << all;
   EXPECT_EQ(o.apart, 0U) << all;
+  EXPECT_LE(o.forked, o.compared / 50) << all;
   EXPECT_LE(o.unfinished, o.ticks / 1000) << all;
   EXPECT_LE(o.force_error, most_error) << all;
   EXPECT_LE(o.turn_deg, 4.0) << all;
