@@ -152,6 +152,7 @@ class Course {
   /// directions. Where only a sheet that was left in this tick holds it back, the proxy waits on that
   /// sheet until the next tick. True when there is more to do.
   bool leave(std::uint32_t but) noexcept {
+    if (is_outside(object_, hip_m_, state_.position_m)) return fly_off();
     const double h = object_.spacing_m;
     const Eigen::Vector3d pull = hip_m_ - state_.position_m;
     const SheetView own = view_of(sheet(), state_.position_m);
@@ -179,13 +180,15 @@ class Course {
       move_to(left, before);
       return stop_unfinished();
     }
-    if (best == kNoSheet) {
-      take_off(state_.position_m);
-      return ++take_offs_ <= kMostTakeOffs || stop_unfinished();
-    }
+    if (best == kNoSheet) return fly_off();
     ++found_.edges;
     move_to(best, there);
     return found_.hand_overs + found_.edges < kMostHandOvers || stop_unfinished();
+  }
+
+  bool fly_off() noexcept {
+    take_off(state_.position_m);
+    return ++take_offs_ <= kMostTakeOffs || stop_unfinished();
   }
 
   /// Where the proxy has come to a place that is not open.
@@ -205,7 +208,12 @@ class Course {
     if (cell >= kLookCell) return Look::stays;
     const Look at_edge = pass_edge();
     if (at_edge != Look::stays) return at_edge;
-    if (cell == kRimCell) return fall_beyond_edge(kLookCell) ? Look::moves : Look::stays;
+    if (cell == kRimCell) {
+      if (fall_beyond_edge(kLookCell)) return Look::moves;
+      if (!is_free_beyond_edge()) return Look::stays;
+      take_off(hip_m_);
+      return Look::leaves;
+    }
     if (left_count_ > 0) return stop_unfinished() ? Look::moves : Look::leaves;
     if (fall_beyond_edge(kRimCell)) return Look::moves;
     if (hold_from_over()) return Look::moves;
@@ -227,6 +235,14 @@ class Course {
     ++found_.edges;
     move_to(flight.crossing->sheet, there);
     return true;
+  }
+
+  /// Beyond an edge, outside of what lies there, with a hand that is outside of it too and nothing between the two.
+  [[nodiscard]] bool is_free_beyond_edge() const noexcept {
+    if (!is_outside(object_, hip_m_, state_.position_m)) return false;
+    if (held_at(object_, state_.sheet, state_.position_m) != Held::outside) return false;
+    const Flight flight = fly(object_, state_.position_m, hip_m_, true, options_.shape);
+    return !flight.crossing && flight.share >= 1.0;
   }
 
   /// A hand that is inside is held by the nearest sheet over it; false where there is none.

@@ -282,6 +282,23 @@ Held held_at(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector
   return held;
 }
 
+bool is_outside(const ObjectSurface& object, const Eigen::Vector3d& hand_m, const Eigen::Vector3d& proxy_m) noexcept {
+  const auto says = [&](const Eigen::Vector3d& near_m, double most) {
+    Held held = Held::unknown;
+    for (const Passing& passing : object.blocks.sheets_at(near_m)) {
+      const SheetView view = view_of(object.sheets[passing.sheet], hand_m);
+      const double gap = view.gap_m / object.spacing_m;
+      if (view.cell < kLookCell || std::abs(gap) > most) continue;
+      if (gap <= kOnEdge) return Held::inside;
+      held = Held::outside;
+    }
+    return held;
+  };
+  // Of a thin object the other face is far from a hand that is outside, and says inside.
+  const Held near_hand = says(hand_m, kInsideCells);
+  return (near_hand != Held::unknown ? near_hand : says(proxy_m, kMiss)) == Held::outside;
+}
+
 std::optional<Crossing> surface_over(const ObjectSurface& object, const Eigen::Vector3d& place_m) noexcept {
   Crossing nearest;
   double least = kInsideCells * object.spacing_m;

@@ -35,6 +35,10 @@ inline constexpr int kMostBlocks = 256;
 enum class Held : std::uint8_t { outside, inside, unknown };
 [[nodiscard]] Held held_at(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& place_m) noexcept;
 
+/// A hand that is outside of a measured sheet near the proxy, and inside of none of them.
+[[nodiscard]] bool is_outside(const ObjectSurface& object, const Eigen::Vector3d& hand_m,
+                              const Eigen::Vector3d& proxy_m) noexcept;
+
 /// The nearest measured surface over a place that all sheets about it say is inside, at most four cells away: where a
 /// way has come in between the rims of sheets that do not quite meet. Its share is 1.
 [[nodiscard]] std::optional<Crossing> surface_over(const ObjectSurface& object,

