@@ -1,6 +1,5 @@
 #include "haptics/device/falcon/keeper.h"
 
-#include <chrono>
 #include <utility>
 
 #include "base/error.h"
@@ -8,9 +7,6 @@
 
 namespace sparsha::haptics::falcon {
 namespace {
-
-constexpr std::chrono::milliseconds kLook{20};
-constexpr int kLooksBetweenTries = 25;
 
 constexpr DeviceAdvice kPlugIn{"device_plug_in", true};
 constexpr DeviceAdvice kNotPermitted{"device_not_permitted", true};
@@ -36,30 +32,11 @@ bool loader_answers(Transport& wire) {
 }  // namespace
 
 Keeper::Keeper(Open open, std::vector<std::uint8_t> image)
-    : open_(std::move(open)), image_(std::move(image)), thread_([this] { run(); }) {}
-
-Keeper::~Keeper() {
-  stopping_.store(true);
-  thread_.join();
-  close(given_back_.exchange(nullptr));
-  close(offered_.exchange(nullptr));
-}
+    : open_(std::move(open)), image_(std::move(image)), plug_([this] { return find(); }) {}
 
 void Keeper::give_back(Transport* wire, const DeviceAdvice* why) noexcept {
   advice_.store(why);
-  given_back_.store(wire);
-  wanted_.store(true);
-}
-
-Transport* Keeper::take() noexcept {
-  if (offered_.load(std::memory_order_relaxed) == nullptr) return nullptr;
-  return offered_.exchange(nullptr);
-}
-
-void Keeper::close(Transport* wire) const {
-  if (wire == nullptr) return;
-  while (users_.load() != 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  delete wire;
+  plug_.give_back(wire);
 }
 
 std::unique_ptr<Transport> Keeper::find() {
@@ -89,24 +66,6 @@ bool Keeper::start(Transport& wire) {
   else if (opens || before == &kNoFirmware)
     advice_.store(&kDoesNotStart);
   return false;
-}
-
-void Keeper::run() {
-  int looks = 0;
-  while (!stopping_.load()) {
-    if (wanted_.load()) {
-      close(given_back_.exchange(nullptr));
-      if (looks-- <= 0) {
-        looks = kLooksBetweenTries;
-        if (std::unique_ptr<Transport> wire = find()) {
-          wanted_.store(false);
-          looks = 0;
-          offered_.store(wire.release());
-        }
-      }
-    }
-    std::this_thread::sleep_for(kLook);
-  }
 }
 
 }  // namespace sparsha::haptics::falcon

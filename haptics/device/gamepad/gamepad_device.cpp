@@ -5,7 +5,6 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <exception>
 #include <string>
 #include <thread>
 #include <utility>
@@ -14,6 +13,7 @@
 
 #include "base/error.h"
 #include "haptics/device/gamepad/vibration.h"
+#include "haptics/device/hot_plug.h"
 #include "haptics/device/simulated/feeling_hand.h"
 
 namespace sparsha::haptics {
@@ -28,8 +28,7 @@ constexpr double kHover_m = 0.012, kDeepest_m = -0.020;
 constexpr double kSpeed_m_per_s = 0.06, kDeadZone = 0.12;
 constexpr double kHatSpeed_m_per_s = 0.015;
 constexpr double kTriggerDeadZone = 0.06;  // of a trigger that does not come back whole
-constexpr int kShakesBetweenTries = 25;
-constexpr double kReach = 0.48;  // of the workspace's width, from the middle
+constexpr double kReach = 0.48;            // of the workspace's width, from the middle
 constexpr std::chrono::milliseconds kShake{20};
 constexpr double kShakes_s = 0.060;  // without news the motors stop by themselves
 constexpr double kNoticed = 0.02;
@@ -55,16 +54,17 @@ constexpr DeviceAdvice kPlugIn{"device_pad", true};
 class PadDevice final : public Device {
  public:
   PadDevice(std::unique_ptr<system::Pad> pad, PadKind kind, std::function<std::unique_ptr<system::Pad>()> reopen)
-      : pad_(std::move(pad)),
-        reopen_(std::move(reopen)),
-        current_(pad_.get()),
-        lost_(pad_ == nullptr),
+      : pad_(pad.release()),
         kind_(kind),
         hand_(kHand, {0.0, 0.0, kHover_m}),
-        shaker_([this] { shake(); }) {}
+        plug_([reopen = std::move(reopen)] { return reopen ? reopen() : nullptr; }),
+        shaker_([this] { shake(); }) {
+    if (pad_.load() == nullptr) plug_.give_back(nullptr);
+  }
   ~PadDevice() override {
     stopping_.store(true);
     shaker_.join();
+    delete pad_.load();
   }
 
   [[nodiscard]] DeviceInfo info() const override {
@@ -74,9 +74,9 @@ class PadDevice final : public Device {
   }
 
   [[nodiscard]] DeviceSample read(double time_s, double) noexcept override {
-    if (current_ == nullptr) current_ = offered_.exchange(nullptr);
-    if (current_ != nullptr) current_->read(state_);
-    if (current_ == nullptr || !state_.connected) leave();
+    if (pad() == nullptr) pad_.store(plug_.take());
+    if (pad() != nullptr) pad()->read(state_);
+    if (pad() == nullptr || !state_.connected) leave();
     DeviceSample sample = hand_.read(time_s, [this](const Eigen::Vector3d&, const Eigen::Vector3d&, double dt_s) {
       wish(dt_s);
       return wish_m_;
@@ -84,7 +84,7 @@ class PadDevice final : public Device {
     feel(time_s);
     sample.buttons = buttons();
     if (kind_ == PadKind::tablet && state_.pen_near && state_.has_tilt) sample.orientation = leaning(state_);
-    sample.connected = current_ != nullptr;
+    sample.connected = pad() != nullptr;
     return sample;
   }
 
@@ -97,24 +97,22 @@ class PadDevice final : public Device {
     strong_.store(0.0);
     weak_.store(0.0);
   }
-  [[nodiscard]] const DeviceAdvice* advice() const noexcept override {
-    return lost_.load(std::memory_order_relaxed) ? &kPlugIn : nullptr;
-  }
+  [[nodiscard]] const DeviceAdvice* advice() const noexcept override { return pad() == nullptr ? &kPlugIn : nullptr; }
 
  private:
-  // From here on the pad is the other thread's. Nothing that was pressed stays so.
+  [[nodiscard]] system::Pad* pad() const noexcept { return pad_.load(std::memory_order_relaxed); }
+
+  // Nothing that was pressed stays so.
   void leave() noexcept {
     state_ = {};
-    if (current_ == nullptr) return;
-    current_ = nullptr;
-    lost_.store(true, std::memory_order_release);
+    if (system::Pad* const gone = pad_.exchange(nullptr)) plug_.give_back(gone);
   }
 
   void wish(double dt_s) noexcept {
     const double reach_m = kReach * scene::kDeskWorkspace_m;
     double press = 0.0;
     if (kind_ == PadKind::tablet) {
-      if (current_ != nullptr) {  // unplugged, the hand stays where it was
+      if (pad() != nullptr) {  // unplugged, the hand stays where it was
         wish_m_.x() = (2.0 * state_.pen_x - 1.0) * reach_m;
         wish_m_.y() = (2.0 * state_.pen_y - 1.0) * reach_m;
       }
@@ -148,41 +146,23 @@ class PadDevice final : public Device {
   // The system's call for it may wait, and is none of the servo's.
   void shake() {
     bool shakes = false;
-    int wait = 0;
     while (!stopping_.load()) {
-      if (lost_.load(std::memory_order_acquire)) {
-        shakes = false;
-        pad_.reset();
-        if (reopen_ && wait-- <= 0) take_another(wait);
-        std::this_thread::sleep_for(kShake);
-        continue;
-      }
       const double strong = strong_.load(), weak = weak_.load();
       const bool noticed = std::max(strong, weak) > kNoticed;
-      if (noticed || shakes) pad_->rumble(noticed ? strong : 0.0, noticed ? weak : 0.0, kShakes_s);
+      if (noticed || shakes) rumble(noticed ? strong : 0.0, noticed ? weak : 0.0);
       shakes = noticed;
       std::this_thread::sleep_for(kShake);
     }
-    if (shakes) pad_->rumble(0.0, 0.0, kShakes_s);
+    if (shakes) rumble(0.0, 0.0);
   }
 
-  void take_another(int& wait) {
-    wait = kShakesBetweenTries;
-    try {
-      pad_ = reopen_();
-    } catch (const std::exception&) {  // it is tried again
-    }
-    if (!pad_) return;
-    wait = 0;
-    lost_.store(false);
-    offered_.store(pad_.get(), std::memory_order_release);
+  void rumble(double strong, double weak) {
+    plug_.enter();
+    if (system::Pad* const pad = pad_.load()) pad->rumble(strong, weak, kShakes_s);
+    plug_.leave();
   }
 
-  std::unique_ptr<system::Pad> pad_;  // shaker's, which alone opens and closes
-  std::function<std::unique_ptr<system::Pad>()> reopen_;
-  system::Pad* current_;  // the servo's to read; null while unplugged
-  std::atomic<system::Pad*> offered_{nullptr};
-  std::atomic<bool> lost_;
+  std::atomic<system::Pad*> pad_;  // the servo's, which alone takes it and gives it back; null while unplugged
   PadKind kind_;
   FeelingHand hand_;
   PadState state_;
@@ -192,6 +172,7 @@ class PadDevice final : public Device {
   Vibration vibration_;
   std::atomic<double> strong_{0.0}, weak_{0.0};
   std::atomic<bool> stopping_{false};
+  HotPlug<system::Pad> plug_;
   std::thread shaker_;
 };
 

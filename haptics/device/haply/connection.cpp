@@ -11,8 +11,6 @@ using Steady = std::chrono::steady_clock;
 constexpr double kGreeting_s = 1.0;
 constexpr double kReadBack_s = 0.5;
 constexpr int kReadBackMessages = 8;
-constexpr std::chrono::milliseconds kLook{20};
-constexpr int kLooksBetweenTries = 25;
 
 constexpr DeviceAdvice kNoService{"device_no_service", true};
 
@@ -87,44 +85,13 @@ std::unique_ptr<Connection> connect(const HaplyOptions& options, ConnectProblem&
   return connection;
 }
 
-Finder::Finder(HaplyOptions options) : options_(std::move(options)), thread_([this] { run(); }) {}
+Finder::Finder(HaplyOptions options) : options_(std::move(options)), plug_([this] { return find(); }) {}
 
-Finder::~Finder() {
-  stopping_.store(true);
-  thread_.join();
-  delete given_back_.exchange(nullptr);
-  delete offered_.exchange(nullptr);
-}
-
-void Finder::give_back(Connection* connection) noexcept {
-  given_back_.store(connection);
-  wanted_.store(true);
-}
-
-Connection* Finder::take() noexcept {
-  if (offered_.load(std::memory_order_relaxed) == nullptr) return nullptr;
-  return offered_.exchange(nullptr);
-}
-
-void Finder::run() {
-  int looks = 0;
-  while (!stopping_.load()) {
-    if (wanted_.load()) {
-      delete given_back_.exchange(nullptr);
-      if (looks-- <= 0) {
-        looks = kLooksBetweenTries;
-        ConnectProblem problem{};
-        std::unique_ptr<Connection> found = connect(options_, problem);
-        advice_.store(found ? nullptr : &kNoService);
-        if (found) {
-          wanted_.store(false);
-          looks = 0;
-          offered_.store(found.release());
-        }
-      }
-    }
-    std::this_thread::sleep_for(kLook);
-  }
+std::unique_ptr<Connection> Finder::find() {
+  ConnectProblem problem{};
+  std::unique_ptr<Connection> found = connect(options_, problem);
+  advice_.store(found ? nullptr : &kNoService);
+  return found;
 }
 
 }  // namespace sparsha::haptics::haply

@@ -6,13 +6,13 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "haptics/device/device.h"
 #include "haptics/device/haply/haply.h"
 #include "haptics/device/haply/messages.h"
 #include "haptics/device/haply/web_socket.h"
+#include "haptics/device/hot_plug.h"
 
 namespace sparsha::haptics::haply {
 
@@ -43,24 +43,19 @@ struct Connection {
 class Finder {
  public:
   explicit Finder(HaplyOptions options);
-  ~Finder();
-  Finder(const Finder&) = delete;
-  Finder& operator=(const Finder&) = delete;
 
   // Servo thread; no lock, no allocation.
-  void give_back(Connection* connection) noexcept;
-  [[nodiscard]] Connection* take() noexcept;
+  void give_back(Connection* connection) noexcept { plug_.give_back(connection); }
+  [[nodiscard]] Connection* take() noexcept { return plug_.take(); }
   /// Any thread.
   [[nodiscard]] const DeviceAdvice* advice() const noexcept { return advice_.load(); }
 
  private:
-  void run();
+  [[nodiscard]] std::unique_ptr<Connection> find();
 
   HaplyOptions options_;
-  std::atomic<Connection*> given_back_{nullptr}, offered_{nullptr};
   std::atomic<const DeviceAdvice*> advice_{nullptr};
-  std::atomic<bool> wanted_{false}, stopping_{false};
-  std::thread thread_;
+  HotPlug<Connection> plug_;  // the last: its thread uses what stands above
 };
 
 }  // namespace sparsha::haptics::haply
