@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "haptics/servo/real_time.h"
 
@@ -40,6 +41,7 @@ void FaultyDevice::inject(Fault fault) noexcept {
   first_zero_ns_.store(-1);
   strongest_n_.store(0.0);
   finite_.store(true);
+  counted_.store(false);
   paused_.store(false);
   fault_.store(fault);
 }
@@ -71,6 +73,7 @@ DeviceSample FaultyDevice::read(double time_s, double period_s) noexcept {
   const bool aside = fault == Fault::jump || fault == Fault::own_clock;
   sample.position_m = {aside ? kJump_m : 0.0, 0.0, height_m_};
   if (fault == Fault::trembles) sample.position_m.z() += before % 2 == 0 ? kTremble_m : -kTremble_m;
+  account(sample.position_m.z());
   sample.time_s = time_s + ahead_s_;
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   if (fault == Fault::no_time) sample.time_s = kNone;
@@ -80,6 +83,7 @@ DeviceSample FaultyDevice::read(double time_s, double period_s) noexcept {
     sample.tells_applied = true;
     sample.orientation.fill(kNone);
   }
+  if (fault == Fault::hasty) sample.delay_s = before % 2 == 0 ? 1e-9 : -1.0;
   sample.finished = fault == Fault::ended;
   sample.fresh = fault != Fault::silent && fault != Fault::dead && fault != Fault::ended;
   sample.connected = fault != Fault::unplugged && !(fault == Fault::loose && before % 2 == 0);
@@ -99,9 +103,35 @@ void FaultyDevice::note(double force_n) noexcept {
   strongest_n_.store(std::max(strongest_n_.load(), force_n));
 }
 
+/// The force of before has been held all the way to here.
+void FaultyDevice::account(double z_m) noexcept {
+  if (!counted_.exchange(true)) {
+    work_j_ = least_j_ = shaken_sum_n_ = 0.0;
+    z_m_ = z_m;
+    last_n_ = -1.0;
+    delivered_j_.store(0.0);
+    shaken_n_.store(0.0);
+  }
+  work_j_ += held_z_n_.load() * (z_m - std::exchange(z_m_, z_m));
+  least_j_ = std::min(least_j_, work_j_);
+  delivered_j_.store(std::max(delivered_j_.load(), work_j_ - least_j_));
+}
+
+void FaultyDevice::compare(double force_n) noexcept {
+  const std::uint64_t reads = reads_.load();
+  if (reads == 0 || !counted_.load()) return;
+  const bool first = last_n_ < 0.0;
+  weakest_n_.store(first ? force_n : std::min(weakest_n_.load(), force_n));
+  if (!first) shaken_sum_n_ += std::abs(force_n - last_n_);
+  shaken_n_.store(shaken_sum_n_ / static_cast<double>(reads));
+  last_n_ = force_n;
+}
+
 void FaultyDevice::write(const Eigen::Vector3d& force_n) noexcept {
   const double size_n = force_n.norm();
   note(size_n);  // what has been taken is held while the call lasts
+  compare(size_n);
+  held_z_n_.store(force_n.z());
   if (fault_.load() == Fault::stuck) pause_once();
   if (size_n != 0.0 && reads_.load() > 0) reads_with_force_.fetch_add(1);
   inner_.write(with_force_ ? force_n : Eigen::Vector3d::Zero());
@@ -113,12 +143,16 @@ double FaultyDevice::force_share() const noexcept {
 
 void FaultyDevice::zero() noexcept {
   note(0.0);
+  held_z_n_.store(0.0);
   inner_.zero();
 }
 
 Felt FaultyDevice::felt() const noexcept {
   Felt felt;
   felt.strongest_n = strongest_n_.load();
+  felt.weakest_n = weakest_n_.load();
+  felt.shaken_n = shaken_n_.load();
+  felt.delivered_j = delivered_j_.load();
   felt.finite = finite_.load();
   felt.reads_with_force = reads_with_force_.load();
   felt.last_force_s = 1e-9 * static_cast<double>(last_force_ns_.load());

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "haptics/conformance/conformance.h"
+#include "haptics/conformance/repeat_watch.h"
 #include "haptics/servo/pace.h"
 #include "haptics/servo/real_time.h"
 
@@ -34,6 +35,7 @@ struct Watched {
                 bad_delays = 0;
   std::uint64_t unhomed = 0, disconnected = 0;
   double longest_step_m = 0.0;
+  RepeatWatch news;
   std::vector<double> gaps_s, read_s, write_s, zero_s;
 };
 
@@ -65,6 +67,7 @@ class Positions {
       if (known_) seen.longest_step_m = std::max(seen.longest_step_m, (sample.position_m - last_m_).norm());
       known_ = true;
       last_m_ = sample.position_m;
+      seen.news.see(sample.position_m);
       if (sample.position_m.norm() > 2.0 * info_.workspace_width_m) ++seen.outside;
     }
     if (speed_.jumps(sample, period_s)) ++seen.jumps;
@@ -192,6 +195,12 @@ ConformanceStep news_of(const Device& device, const DeviceInfo& info, const Watc
   if (info.rate_hz > 0.0 && (rate_hz < 0.5 * info.rate_hz || rate_hz > 1.5 * info.rate_hz))
     return step("news", false, found + fmt::format(", and it says {:.0f}", info.rate_hz),
                 "a stiffness for another rate: a wall that swings, or one that is too soft");
+  const std::size_t repeated = seen.news.repeated();
+  if (repeated > 0) found += fmt::format("; {} of {} positions are those of before", repeated, seen.news.seen());
+  if (seen.news.repeats())
+    return step("news", false, found + ", between moves of a hand that cannot have stood still, and are said to be new",
+                "it is taken for a faster device: the wall may give back more than it took, and swing");
+  if (repeated > 0 && !seen.news.moves()) found += ": the hand hardly moved, so that nothing can be told of it";
   return step("news", rate_hz >= kFewSamples_hz, found, "the force comes and goes: between two positions it is over");
 }
 

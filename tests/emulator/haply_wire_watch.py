@@ -127,7 +127,7 @@ class Watch:
             told = one.get("commands", {}).get("set_cursor_force", {})
             force = told.get("vector", told.get("values", {}))
         newtons = math.sqrt(sum(float(v) ** 2 for v in force.values()))
-        assert math.isfinite(newtons) and newtons <= 5.001, newtons
+        assert math.isfinite(newtons) and newtons <= 4.001, newtons
         self.commands.append((time.monotonic(), newtons, pipe))
         pipe.service.sendall(whole)
 

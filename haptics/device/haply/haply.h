@@ -27,7 +27,8 @@ struct HaplyOptions {
 /// The ports may be given by SPARSHA_HAPLY_PORT and SPARSHA_HAPLY_EVENTS_PORT.
 [[nodiscard]] HaplyOptions options_of(const DeviceRequest& request);
 
-/// What an Inverse3 is for the servo. No page tells its greatest force or its workspace: 5 N and 0.1 m are taken.
+/// What an Inverse3 is for the servo: the force of its sheet, and a workspace well within the sheet's
+/// (docs/use/hardware.md, "Where the figures come from").
 [[nodiscard]] DeviceInfo haply_info();
 
 /// Connects, sets basis and preset and reads them back: without that there is no force. Forces are zero from the tick

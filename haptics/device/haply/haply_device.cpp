@@ -23,6 +23,8 @@ using Status = WebSocket::Status;
 constexpr double kSilent_s = 0.1;  // then the service does not answer any more
 constexpr int kMostMessages = 16;  // taken in a tick: more come only from a damaged service
 constexpr int kFinalZeros = 3;
+/// The sheet: 4 N in 80 % of the workspace, 10 N at most.
+constexpr double kMostForce_n = 4.0;
 constexpr double kLift_s = 2.0;  // so long it is said that the hand must be lifted
 
 constexpr DeviceAdvice kBrake{"device_ebrake", true};
@@ -308,14 +310,14 @@ DeviceInfo haply_info() {
   DeviceInfo info;
   info.name = "Haply Inverse3";
   info.workspace_width_m = 0.1;
-  info.limits.max_force_n = 5.0;
+  info.limits.max_force_n = kMostForce_n;
   info.limits.least_damping_n_s_per_m = 1.0;
   info.limits.delay_ticks = 2;
   info.paced = true;
   info.fastest_m_per_s = 5.0;
   info.warning =
-      "The Inverse3's driver was not tried on hardware; no page tells its greatest force and workspace, 5 N and 0.1 m "
-      "are taken";
+      "The Inverse3's driver was not tried on hardware; the force is limited to the 4 N of its sheet, and a workspace of "
+      "0.1 m is assumed to be reached everywhere";
   return info;
 }
 

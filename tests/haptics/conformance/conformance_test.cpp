@@ -183,6 +183,44 @@ TEST(Conformance, SaysThatADeviceIsNotThere) {
   EXPECT_THAT(step.found, HasSubstr("device_plug_in"));
 }
 
+/// Looks at the hand `kLooks` times a second, and says of each answer that it is new.
+template <int kLooks>
+struct Repeats : Hand {
+  [[nodiscard]] DeviceSample read(double time_s, double period_s) noexcept override {
+    DeviceSample sample = Hand::read(std::floor(time_s * kLooks) / kLooks, period_s);
+    sample.time_s = time_s;
+    return sample;
+  }
+};
+
+TEST(Conformance, FindsADeviceThatRepeatsItsPositionsWithoutSayingSo) {
+  for (const ConformanceStep& step : {watched<Repeats<100>>("news"), watched<Repeats<200>>("news")}) {
+    EXPECT_EQ(step.result, Result::failed) << step.found;
+    EXPECT_THAT(step.found, HasSubstr("positions are those of before"));
+    EXPECT_THAT(step.to_a_hand, HasSubstr("a faster device"));
+  }
+  struct Rests : Hand {
+    [[nodiscard]] DeviceSample read(double time_s, double period_s) noexcept override {
+      DeviceSample sample = Hand::read(time_s, period_s);
+      sample.position_m = {0.01, 0.02, 0.03};
+      return sample;
+    }
+  };
+  const ConformanceStep rests = watched<Rests>("news");
+  EXPECT_EQ(rests.result, Result::passed);
+  EXPECT_THAT(rests.found, HasSubstr("hardly moved"));
+  struct Coarse : Hand {  // up to 0.1 m/s, and steps of 60 um: most of the positions of its turns are those of before
+    [[nodiscard]] DeviceSample read(double time_s, double period_s) noexcept override {
+      DeviceSample sample = Hand::read(time_s, period_s);
+      for (double& part : sample.position_m) part = 60e-6 * std::round(part / 60e-6);
+      return sample;
+    }
+  };
+  const ConformanceStep coarse = watched<Coarse>("news");
+  EXPECT_EQ(coarse.result, Result::passed) << coarse.found << coarse.to_a_hand;
+  EXPECT_THAT(coarse.found, HasSubstr("of before"));
+}
+
 TEST(Conformance, NoFaultOfADriverLeavesAForce) {
   constexpr int kFaults = static_cast<int>(Fault::trembles);
   std::vector<std::future<std::vector<ConformanceStep>>> trials;
