@@ -282,7 +282,9 @@ bool HaplyService::take(Client& client, const std::string& text) {
     // What is deprecated is still taken by a service of 3.5.
     for (const char* const key : {"vector", "values"}) {
       const Json::json_pointer where(std::string("/commands/set_cursor_force/") + key);
-      if (!one.contains(where) || !one[where].is_object() || (options_.version_3_1 && key[1] == 'e')) continue;
+      if (!one.contains(where) || !one[where].is_object() || (options_.version_3_1 && key[1] == 'e') ||
+          options_.version_3_6)
+        continue;
       const Json& force = one[where];
       client.commanded_n =
           client.basis.to_service({number_at(force, "x"), number_at(force, "y"), number_at(force, "z")});

@@ -39,6 +39,7 @@ struct HaplyOptions {
   bool merged = false;          ///< two answers in one write, always
   bool keeps_settings = false;  ///< another basis, whatever a client configures
   bool version_3_1 = false;     ///< no events, and forces under `values` alone
+  bool version_3_6 = false;     ///< one that nobody knows yet: forces under a key of its own, which no client sends
   bool other_words = false;     ///< exponents, unknown keys and kinds, ids last, a wireless grip, a preset as an object
   bool no_preset = false;       ///< the configuration tells of none
   double grip_tilt_rad = 0.0;   ///< of the grip about x; negative: its far end is held up

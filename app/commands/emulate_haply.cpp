@@ -42,6 +42,8 @@ const Fault kFaults[] = {
     {"no-preset", "the configuration tells of no preset", [](Options& o) { o.no_preset = true; }},
     {"version-3.1", "an older service: no events, forces under `values` alone",
      [](Options& o) { o.version_3_1 = true; }},
+    {"version-3.6", "a service that nobody knows yet: it takes forces under another key",
+     [](Options& o) { o.version_3_6 = true; }},
     {"gate", "the force gate lets 60 % through", [](Options& o) { o.gate = 0.6; }},
     {"two-devices", "there are two", [](Options& o) { o.devices = 2; }},
 };

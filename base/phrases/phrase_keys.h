@@ -164,6 +164,7 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     {"device_lift", ""},
     {"device_shared", ""},
     {"device_no_service", ""},
+    {"device_away", ""},
     {"device_pad", ""},
     {"device_not_set_up", ""},
     {"device_changes_force", ""},

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/numbers/statistics.h"
+#include "bench/haptics/device_stability.h"
 #include "bench/haptics/drag.h"
 #include "bench/haptics/edges.h"
 #include "bench/haptics/figures.h"
@@ -22,7 +23,6 @@
 #include "bench/haptics/plot.h"
 #include "bench/haptics/scanned.h"
 #include "bench/haptics/scenes.h"
-#include "bench/haptics/service_stability.h"
 #include "bench/haptics/softened.h"
 #include "bench/haptics/stability.h"
 #include "haptics/proxy/proxy.h"
@@ -222,7 +222,7 @@ bool run(bool quick, const std::string& only, const std::filesystem::path& out,
   return (!asked("speed") || write_speed(quick, out)) && (!asked("objects") || write_objects(out, quick)) &&
          (!asked("figures") || write_figures(out)) && (!asked("scanned") || write_scanned(out, quick)) &&
          (!slow("drag") || write_drag(out)) &&
-         (!slow("stability") || (write_stability(out, quick) && write_service_stability(out, quick))) &&
+         (!slow("stability") || (write_stability(out, quick) && write_device_stability(out, quick))) &&
          (!slow("edges") || write_edges(scenes, quick ? 10 : 40)) &&
          (!slow("loops") || write_loops(scenes, quick ? 600 : 5000)) && (!slow("softened") || write_softened());
 }

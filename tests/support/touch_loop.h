@@ -106,6 +106,7 @@ struct TouchCase {
   double stops_s = 1e9;           ///< from then on it looks no more
   double delay_s = 0.001;         ///< from the writing of a force to the hand
   int declared_ticks = 1;         ///< what the device says of that
+  double told_delay_s = 0.0;      ///< what it says that it measures of that, in each sample; 0: nothing
   bool governed = true;           ///< else the wished spring reaches the hand, up to 8 N
   double duration_s = 10.0;
   double encoder_step_m = 20e-6;
@@ -235,6 +236,7 @@ inline TouchResult touch(const TouchCase& c, haptics::HapticWindow window, const
         if (!lost && !repeated) see();
         haptics::DeviceSample sample = haptics::sample_at(measured, t);
         sample.fresh = !lost;
+        sample.delay_s = c.told_delay_s;
         renderer.update(sample, 1.0 / c.configured_hz);
         if (watch) watch(sample, renderer.record());
         const haptics::State& state = renderer.state();

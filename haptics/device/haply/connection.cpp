@@ -7,12 +7,14 @@ namespace sparsha::haptics::haply {
 namespace {
 
 using Steady = std::chrono::steady_clock;
+using Kind = ConnectProblem::Kind;
 
 constexpr double kGreeting_s = 1.0;
 constexpr double kReadBack_s = 0.5;
 constexpr int kReadBackMessages = 8;
 
 constexpr DeviceAdvice kNoService{"device_no_service", true};
+constexpr DeviceAdvice kAway{"device_away", true};
 
 double since(Steady::time_point then) { return std::chrono::duration<double>(Steady::now() - then).count(); }
 
@@ -23,26 +25,31 @@ bool read_inventory(Connection& connection, const HaplyOptions& options, Connect
     std::string_view text;
     const auto status = connection.states->receive(text, kGreeting_s - since(began));
     ServiceState state;
+    if (status == WebSocket::Status::closed) {
+      problem.kind = Kind::closed;
+      return false;
+    }
     if (status != WebSocket::Status::ok || !read_state(text, options.device_id, state)) break;
     if (!state.is_state) continue;
-    problem = ConnectProblem::no_device;
+    problem = {Kind::no_device, device_ids(text)};
     if (!state.found) return false;
     if (options.device_id.empty())
       connection.id = state.first;
     else
       connection.id.set(options.device_id);
     if (connection.id.size == 0) return false;
-    connection.ids = device_ids(text);
+    connection.ids = problem.ids;
     connection.position_m = state.position_m;
     return true;
   }
-  problem = ConnectProblem::not_understood;
+  problem.kind = Kind::not_understood;
   return false;
 }
 
 /// What the service tells after the settings were sent, asked for in messages of their own: what it told before counts
 /// for nothing, and its usual answers leave the configuration out.
-bool read_back(Connection& connection) {
+bool read_back(Connection& connection, ConnectProblem& problem) {
+  problem.kind = Kind::closed;
   std::array<char, 512> text{};
   const auto send = [&](std::size_t size) {
     return size > 0 && connection.states->send({text.data(), size}) == WebSocket::Status::ok;
@@ -54,7 +61,11 @@ bool read_back(Connection& connection) {
     const auto status = connection.states->receive(answer, kReadBack_s - since(began));
     if (status == WebSocket::Status::nothing) break;
     ServiceState state;
-    if (status != WebSocket::Status::ok || !read_state(answer, connection.id.view(), state)) return false;
+    if (status == WebSocket::Status::closed) return false;
+    if (status != WebSocket::Status::ok || !read_state(answer, connection.id.view(), state)) {
+      problem.kind = Kind::not_understood;
+      return false;
+    }
     if (state.has_position) connection.position_m = state.position_m;
     connection.set_up = state.is_set_up();
     if (state.damping_n_s_per_m >= 0.0) connection.damping_n_s_per_m = state.damping_n_s_per_m;
@@ -72,25 +83,26 @@ WebSocket::Status Connection::send_force(const Eigen::Vector3d& force_n) noexcep
 }
 
 std::unique_ptr<Connection> connect(const HaplyOptions& options, ConnectProblem& problem) {
-  problem = ConnectProblem::no_service;
+  problem = {Kind::no_service, {}};
   auto connection = std::make_unique<Connection>();
   connection->states = WebSocket::open(options.port, kGreeting_s);
   if (!connection->states || !read_inventory(*connection, options, problem)) return nullptr;
   connection->events = WebSocket::open(options.events_port, kGreeting_s);
   // Only services with events, 3.5 and later, are known to want `vector`.
   connection->force_key = connection->events ? ForceKey::vector : ForceKey::values;
-  problem = ConnectProblem::not_understood;
-  if (!read_back(*connection)) return nullptr;
-  problem = ConnectProblem::none;
+  if (!read_back(*connection, problem)) return nullptr;
+  problem = {};
   return connection;
 }
 
 Finder::Finder(HaplyOptions options) : options_(std::move(options)), plug_([this] { return find(); }) {}
 
 std::unique_ptr<Connection> Finder::find() {
-  ConnectProblem problem{};
-  std::unique_ptr<Connection> found = connect(options_, problem);
-  advice_.store(found ? nullptr : &kNoService);
+  HaplyOptions options = options_;
+  if (taken_.size > 0) options.device_id = taken_.view();
+  ConnectProblem problem;
+  std::unique_ptr<Connection> found = connect(options, problem);
+  advice_.store(found ? nullptr : problem.kind == Kind::no_device ? &kAway : &kNoService);
   return found;
 }
 

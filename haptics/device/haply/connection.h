@@ -17,7 +17,11 @@
 namespace sparsha::haptics::haply {
 
 /// Why there is none.
-enum class ConnectProblem : std::uint8_t { none, no_service, not_understood, no_device };
+struct ConnectProblem {
+  enum class Kind : std::uint8_t { none, no_service, closed, not_understood, no_device };
+  Kind kind = Kind::none;
+  std::vector<std::string> ids;  ///< of the Inverse3 that are there, though none is the wanted one
+};
 
 /// States and forces, events, and whose they are. No call but connect() allocates.
 struct Connection {
@@ -39,13 +43,17 @@ struct Connection {
 /// Greets, reads the list of devices, sets the session up. Null with the problem.
 [[nodiscard]] std::unique_ptr<Connection> connect(const HaplyOptions& options, ConnectProblem& problem);
 
-/// Looks for a service on a thread of its own, and hands the connection to the servo.
+/// Looks for a service on a thread of its own, and hands the connection to the servo. An Inverse3 that was taken once
+/// is waited for: nobody may be at another one.
 class Finder {
  public:
   explicit Finder(HaplyOptions options);
 
   // Servo thread; no lock, no allocation.
-  void give_back(Connection* connection) noexcept { plug_.give_back(connection); }
+  void give_back(Connection* connection) noexcept {
+    if (connection != nullptr) taken_ = connection->id;
+    plug_.give_back(connection);
+  }
   [[nodiscard]] Connection* take() noexcept { return plug_.take(); }
   /// Any thread.
   [[nodiscard]] const DeviceAdvice* advice() const noexcept { return advice_.load(); }
@@ -54,6 +62,7 @@ class Finder {
   [[nodiscard]] std::unique_ptr<Connection> find();
 
   HaplyOptions options_;
+  DeviceId taken_;  // written while none is looked for
   std::atomic<const DeviceAdvice*> advice_{nullptr};
   HotPlug<Connection> plug_;  // the last: its thread uses what stands above
 };

@@ -280,10 +280,21 @@ std::uint16_t port_of(const char* variable, std::uint16_t usual) {
   return port > 0 && port < 65536 ? static_cast<std::uint16_t>(port) : usual;
 }
 
-Error missing(ConnectProblem problem) {
-  if (problem == ConnectProblem::no_device)
+Error missing(const ConnectProblem& problem, const std::string& wanted) {
+  using Kind = ConnectProblem::Kind;
+  if (problem.kind == Kind::no_device && !problem.ids.empty()) {
+    std::string ids;
+    for (const std::string& id : problem.ids) ids += (ids.empty() ? "" : ", ") + id;
+    return {ErrorKind::device, {}, "the Inverse Service knows no Inverse3 with the id '" + wanted + "'", ids};
+  }
+  if (problem.kind == Kind::no_device)
     return {ErrorKind::device, {}, "the Inverse Service knows no Inverse3", "one that is plugged in and calibrated"};
-  if (problem == ConnectProblem::not_understood)
+  if (problem.kind == Kind::closed)
+    return {ErrorKind::device,
+            {},
+            "the Inverse Service ended the connection while it was set up",
+            "a service that is not just starting or ending"};
+  if (problem.kind == Kind::not_understood)
     return {ErrorKind::device,
             {},
             "what answers on the Inverse Service's port is not understood",
@@ -316,16 +327,17 @@ DeviceInfo haply_info() {
   info.paced = true;
   info.fastest_m_per_s = 5.0;
   info.warning =
-      "The Inverse3's driver was not tried on hardware; the force is limited to the 4 N of its sheet, and a workspace of "
+      "The Inverse3's driver was not tried on hardware; the force is limited to the 4 N of its sheet, and a workspace "
+      "of "
       "0.1 m is assumed to be reached everywhere";
   return info;
 }
 
 std::unique_ptr<Device> make_haply_device(const HaplyOptions& options) {
-  ConnectProblem problem{};
+  ConnectProblem problem;
   std::unique_ptr<Connection> connection = connect(options, problem);
   if (options.stop && options.stop()) throw Cancelled();
-  if (!connection && !options.wait_for_device) throw missing(problem);
+  if (!connection && !options.wait_for_device) throw missing(problem, options.device_id);
   return std::make_unique<HaplyDevice>(std::move(connection), options);
 }
 
@@ -334,9 +346,9 @@ DeviceKind haply_kind() {
           "[ID]",
           "the Inverse3 of Haply's Inverse Service",
           [](const DeviceRequest& request) -> std::vector<FoundDevice> {
-            ConnectProblem problem{};
+            ConnectProblem problem;
             const std::unique_ptr<Connection> connection = connect(options_of(request), problem);
-            if (!connection) return {{"", false, missing(problem).wrong(), {}}};
+            if (!connection) return {{"", false, missing(problem, request.argument).wrong(), {}}};
             std::vector<FoundDevice> found;
             for (const std::string& id : connection->ids) found.push_back({id, true, "", {}});
             return found;

@@ -109,8 +109,9 @@ class StateReader {
       const std::string_view name = path[4].key;
       const std::size_t part = name.size() == 1 ? kParts.find(name[0]) : std::string_view::npos;
       if (part == std::string_view::npos) return;
-      state_.orientation[part] = value.number;
-      state_.has_orientation = true;
+      orientation_[part] = value.number;
+      turn_ |= 1U << part;
+      if (turn_ == 15U) state_.orientation = orientation_;
     }
   }
 
@@ -142,6 +143,8 @@ class StateReader {
   ServiceState& state_;
   ServiceState one_;
   unsigned position_ = 0, force_ = 0, velocity_ = 0;
+  std::array<double, 4> orientation_{};
+  unsigned turn_ = 0;  // which of its parts were told
   bool open_ = false, object_ = false;
   bool told_twice_ = false;  ///< who says two things of one hand is not believed in either
 };

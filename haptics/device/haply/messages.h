@@ -39,8 +39,7 @@ struct ServiceState {
   bool has_preset = false, right_preset = false;  ///< config.preset, and it is kPreset
   bool displaced = false;                         ///< state.transform moves, turns or scales what the service tells
   bool uncalibrated = false;                      ///< status.calibrated is false
-  bool has_orientation = false;
-  std::array<double, 4> orientation{};  ///< of the first grip: w, x, y, z
+  std::array<double, 4> orientation{};  ///< of the first grip: w, x, y, z; all zero where it tells not all of them
   std::uint64_t buttons = 0;            ///< a, b, c as bits 0, 1, 2
   bool is_state = false;                ///< it has a list of Inverse3
 
