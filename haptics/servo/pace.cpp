@@ -12,6 +12,10 @@ constexpr std::int64_t kBurstPeriods = 2;
 constexpr double kLongAgo_s = 0.1;
 // Of encoders and of times that are the servo's rather than the measurement's.
 constexpr double kNoise_m = 0.001;
+// A hand that strikes a hard stop is slowed by some 100 m/s^2, once.
+constexpr double kQuickestTurn_m_per_s2 = 200.0;
+constexpr double kLeastTurn_m = 0.0002;  // smaller ones are an encoder's
+constexpr int kMostTurns = 4;
 
 }  // namespace
 
@@ -38,19 +42,29 @@ void keep_to_what_can_be(DeviceSample& sample, double time_s, bool own_clock) no
   sample.tells_applied = sample.tells_applied && sample.applied_n.allFinite();
 }
 
+void HandSpeed::watch_turns(const Eigen::Vector3d& moved_m, double passed_s) noexcept {
+  const bool turned = moved_m.dot(moved_m_) < 0.0 && std::min(moved_m.norm(), moved_m_.norm()) > kLeastTurn_m &&
+                      (moved_m - moved_m_).norm() > kQuickestTurn_m_per_s2 * passed_s * passed_s;
+  turns_ = turned ? std::min(turns_ + 1, 2 * kMostTurns) : std::max(turns_ - 1, 0);
+  moved_m_ = moved_m;
+}
+
 bool HandSpeed::jumps(const DeviceSample& sample, double period_s) noexcept {
   if (!(fastest_m_per_s_ > 0.0) || !sample.fresh) return false;
   if (!sample.homed || !sample.connected || !sample.position_m.allFinite()) {
     known_ = false;  // no position that the next could be compared with
+    moved_m_.setZero();
     return false;
   }
   const double passed_s = std::max(period_s, sample.time_s - time_s_);
-  const double way_m = (sample.position_m - position_m_).norm();
-  const bool jumped = known_ && passed_s < kLongAgo_s && way_m > kNoise_m + fastest_m_per_s_ * passed_s;
+  const bool lately = known_ && passed_s < kLongAgo_s;
+  const Eigen::Vector3d moved_m = lately ? Eigen::Vector3d(sample.position_m - position_m_) : Eigen::Vector3d::Zero();
+  const bool jumped = moved_m.norm() > kNoise_m + fastest_m_per_s_ * passed_s;
+  watch_turns(moved_m, passed_s);
   known_ = true;
   time_s_ = sample.time_s;
   position_m_ = sample.position_m;
-  return jumped;
+  return jumped || turns_ >= kMostTurns;
 }
 
 }  // namespace sparsha::haptics

@@ -39,13 +39,18 @@ class HandSpeed {
   /// `fastest_m_per_s`: DeviceInfo's; 0 = every position is believed.
   explicit HandSpeed(double fastest_m_per_s) noexcept : fastest_m_per_s_(fastest_m_per_s) {}
 
-  /// True when this fresh sample is farther from the one before than a hand moves in that time. The next is judged from
-  /// here on. `period_s`: the planned one.
+  /// True when this fresh sample is farther from the one before than a hand moves in that time, and while samples go to
+  /// and fro as no hand can turn: the energy of such a tremble is none that the governor can account for. The next is
+  /// judged from here on. `period_s`: the planned one.
   [[nodiscard]] bool jumps(const DeviceSample& sample, double period_s) noexcept;
 
  private:
+  void watch_turns(const Eigen::Vector3d& moved_m, double passed_s) noexcept;
+
   double fastest_m_per_s_;
   bool known_ = false;
+  int turns_ = 0;  // that no hand can make: of the last samples, less one for each that was none
+  Eigen::Vector3d moved_m_ = Eigen::Vector3d::Zero();
   double time_s_ = 0.0;
   Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();
 };

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 #include <thread>
 
@@ -56,6 +58,36 @@ TEST(Pace, AClockThatGoesBackwardsMakesNobodyWait) {
   time_ns -= 3'600'000'000'000;
   EXPECT_EQ(pace.admit(time_ns), time_ns);
   EXPECT_FALSE(pace.runs_away());
+}
+
+/// Of `samples` samples of a place over time, those that are said to be none of a hand.
+template <typename Place>
+int jumps_of(int samples, double period_s, const Place& place_m) {
+  HandSpeed hand(5.0);
+  int jumps = 0;
+  for (int tick = 0; tick < samples; ++tick) {
+    DeviceSample sample = sample_at({0.0, 0.0, place_m(period_s * tick, tick)}, period_s * tick);
+    if (hand.jumps(sample, period_s)) ++jumps;
+  }
+  return jumps;
+}
+
+TEST(HandSpeed, FindsATrembleThatNoHandCanMakeAndNoStrikeNoiseOrTremor) {
+  const auto tremble = [](double size_m) {
+    return [size_m](double, int tick) { return tick % 2 == 0 ? size_m : 0.0; };
+  };
+  EXPECT_EQ(jumps_of(1000, 0.001, tremble(0.001)), 995) << "from the sixth sample on";
+  EXPECT_EQ(jumps_of(1000, 0.00025, tremble(0.0005)), 995);
+  EXPECT_EQ(jumps_of(1000, 0.001, tremble(0.0001)), 0) << "an encoder of coarse steps between two of them";
+  EXPECT_EQ(jumps_of(1000, 0.02, tremble(0.02)), 0) << "fifty times a second, and slow enough";
+  const auto strikes = [](double time_s, int) { return std::abs(std::fmod(time_s, 0.02) - 0.01) * 2.0; };
+  EXPECT_EQ(jumps_of(1000, 0.001, strikes), 0) << "at 2 m/s against a hard stop, each 20 ms";
+  const auto tremor = [](double time_s, int) { return 0.01 * std::sin(2.0 * std::numbers::pi * 12.0 * time_s); };
+  EXPECT_EQ(jumps_of(1000, 0.001, tremor), 0);
+  std::mt19937 random(5);
+  std::normal_distribution<double> noise_m(0.0, 60e-6);
+  EXPECT_EQ(jumps_of(20'000, 0.001, [&](double time_s, int tick) { return tremor(time_s, tick) + noise_m(random); }),
+            0);
 }
 
 TEST(HandSpeed, FindsJumpsAndNothingElse) {
