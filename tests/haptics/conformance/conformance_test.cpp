@@ -180,7 +180,25 @@ TEST(Conformance, SaysThatADeviceIsNotThere) {
   };
   const ConformanceStep step = watched<Gone>("news");
   EXPECT_EQ(step.result, Result::skipped);
-  EXPECT_THAT(step.found, HasSubstr("device_plug_in"));
+  EXPECT_THAT(step.found, HasSubstr("plug in its USB cable"));
+}
+
+TEST(Conformance, SaysThatADeviceIsThereAndGivesNoForceYet) {
+  struct Waits : Hand {
+    [[nodiscard]] DeviceSample read(double time_s, double period_s) noexcept override {
+      DeviceSample sample = Hand::read(time_s, period_s);
+      sample.homed = false;
+      return sample;
+    }
+    [[nodiscard]] const DeviceAdvice* advice() const noexcept override {
+      static constexpr DeviceAdvice kAdvice{"device_not_set_up", true};
+      return &kAdvice;
+    }
+  };
+  const ConformanceStep step = watched<Waits>("news");
+  EXPECT_EQ(step.result, Result::skipped);
+  EXPECT_THAT(step.found, HasSubstr("has not taken the settings"));
+  EXPECT_THAT(step.to_a_hand, HasSubstr("no force"));
 }
 
 /// Looks at the hand `kLooks` times a second, and says of each answer that it is new.
