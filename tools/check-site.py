@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Static HTML: every link and image leads to a file, and to a place in it where it names one; each page has a title, a
-language, one first heading and no heading that skips a level; images have a text. check-site.py FOLDER"""
+language, one first heading and no heading that skips a level; images and heads of table columns have a text. check-site.py FOLDER"""
 import html.parser
 import pathlib
 import sys
@@ -13,6 +13,7 @@ class Page(html.parser.HTMLParser):
         self.links, self.places, self.levels, self.faults = [], {""}, [], []
         self.title = False
         self.main = 0  # depth of tags within the page's own text
+        self.head = None  # text of the table head that is being read
         self.feed(text)
 
     def handle_starttag(self, tag, attributes):
@@ -28,8 +29,20 @@ class Page(html.parser.HTMLParser):
             self.levels.append(int(tag[1]))
         if tag == "img" and not found.get("alt"):
             self.faults.append(f"image {found.get('src')} has no text")
+        if tag == "th":
+            self.head = ""
         if tag == "html" and not found.get("lang"):
             self.faults.append("no language")
+
+    def handle_data(self, data):
+        if self.head is not None:
+            self.head += data
+
+    def handle_endtag(self, tag):
+        if tag == "th":
+            if not (self.head or "").strip():
+                self.faults.append("the head of a table's column has no text")
+            self.head = None
 
     def headings(self):
         if self.levels.count(1) != 1:

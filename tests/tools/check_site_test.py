@@ -6,7 +6,7 @@ import tempfile
 
 CHECK = pathlib.Path(__file__).resolve().parents[2] / "tools" / "check-site.py"
 PAGE = '<html lang="en"><head><title>Page</title></head><body><main role="main">{}</main></body></html>'
-GOOD = '<h1 id="top">Page</h1><h2>Part</h2><p><a href="#top">up</a> <a href="other.html#top">other</a><img src="a.png" alt="A"></p>'
+GOOD = '<h1 id="top">Page</h1><h2>Part</h2><p><a href="#top">up</a> <a href="other.html#top">other</a><img src="a.png" alt="A"></p><table><tr><th><b>mm</b></th></tr></table>'
 FAULTS = [
     ('<a href="gone.html">x</a>', "gone.html leads nowhere"),
     ('<a href="other.html#gone">x</a>', "other.html#gone: there is no such place"),
@@ -15,6 +15,7 @@ FAULTS = [
     ('<img src="gone.png" alt="G">', "gone.png leads nowhere"),
     ("<h4>deep</h4>", "a heading of level 4 follows one of level 2"),
     ("<h1>again</h1>", "2 first headings"),
+    ("<table><tr><th> </th><th>mm</th></tr></table>", "the head of a table's column has no text"),
 ]
 
 
