@@ -25,6 +25,7 @@
 #include "pipeline/build/build.h"
 #include "pipeline/build/on_ranks.h"
 #include "pipeline/cluster/ranks.h"
+#include "pipeline/outofcore/finished_tiles.h"
 #include "scene/config/config.h"
 #include "scene/folder/folder.h"
 
@@ -132,6 +133,7 @@ int run_build(const Arguments& arguments, const CommonOptions& common, pipeline:
     terminal.message(fmt::format("{} ranks have sent {} MB to each other, in {:.1f} s with waiting", ranks->size(),
                                  traffic.bytes / 1'000'000U, traffic.seconds));
   }
+  if (!arguments.resume) pipeline::remove_finished_tiles(tiles_of(folder));  // of a build that was ended
   print(common.json    ? pipeline::report_json(*result.scene, result.report)
         : common.plain ? build_sentences(*result.scene, result.report, folder)
                        : build_summary(*result.scene, result.report, folder));

@@ -28,6 +28,7 @@
 #include "pipeline/charts/sheet_texture.h"
 #include "pipeline/check/check_map.h"
 #include "pipeline/layers/layers.h"
+#include "pipeline/outofcore/finished_tiles.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/register/register.h"
 #include "pipeline/scan/repeated.h"
@@ -451,9 +452,8 @@ BuildResult build_and_write(const scene::Config& config, const BuildOptions& opt
   if (const std::filesystem::path notes = folder / scene::kNotesFile; std::filesystem::is_regular_file(notes, code))
     write_file(target.temporary() / scene::kNotesFile, read_file(notes, kMostNotes));
   target.commit();
-  // Of a scene that was built in memory there is none; a folder or a link of that name is not ours.
-  if (std::filesystem::is_regular_file(std::filesystem::symlink_status(options.finished_tiles, code)))
-    std::filesystem::remove(options.finished_tiles, code);
+  // Also those that an earlier build has left, which was ended.
+  if (!options.finished_tiles.empty()) remove_finished_tiles(options.finished_tiles);
   return result;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include "base/error.h"
@@ -176,6 +177,14 @@ void FinishedTiles::add(const Tile& tile, const TileNodes& nodes) {
   write_values(stream_, nodes.verdicts);
   stream_ << sum_of(key_, head, nodes) << std::flush;
   if (!stream_) throw cannot_write(file_);
+}
+
+void remove_finished_tiles(const std::filesystem::path& file) {
+  std::error_code code;
+  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(file, code))) return;
+  std::string first(std::string_view(kFormat).size(), '\0');
+  std::ifstream(file, std::ios::binary).read(first.data(), static_cast<std::streamsize>(first.size()));
+  if (first == kFormat) std::filesystem::remove(file, code);
 }
 
 }  // namespace sparsha::pipeline

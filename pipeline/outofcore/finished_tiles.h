@@ -58,4 +58,7 @@ class FinishedTiles {
   std::fstream stream_;
 };
 
+/// Removes a file of finished tiles, of whichever build; any other file, a folder or a link stays.
+void remove_finished_tiles(const std::filesystem::path& file);
+
 }  // namespace sparsha::pipeline

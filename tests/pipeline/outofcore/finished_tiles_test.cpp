@@ -158,5 +158,27 @@ TEST(TileNodesOfAGrid, AreItsRowsAndGoBackWhereTheyWere) {
   EXPECT_EQ(other_verdicts, verdicts);
 }
 
+TEST_F(Finished, TilesAreRemovedAndNothingElse) {
+  write();
+  remove_finished_tiles(file_);
+  EXPECT_FALSE(std::filesystem::exists(file_));
+  remove_finished_tiles(file_);
+  for (const char* text : {"", "sparsha", "sparsha cloud 1 of somebody"}) {
+    write_file(file_, text);
+    remove_finished_tiles(file_);
+    EXPECT_EQ(read_file(file_, kLargest), text);
+  }
+  std::filesystem::remove(file_);
+  std::filesystem::create_directory(file_);
+  remove_finished_tiles(file_);
+  EXPECT_TRUE(std::filesystem::is_directory(file_));
+  std::filesystem::remove(file_);
+  const std::filesystem::path other = folder_ / "other";
+  FinishedTiles(other, "key");
+  std::filesystem::create_symlink(other, file_);
+  remove_finished_tiles(file_);
+  EXPECT_TRUE(std::filesystem::is_symlink(file_) && std::filesystem::exists(other));
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline
