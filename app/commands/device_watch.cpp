@@ -9,6 +9,7 @@
 #include "app/terminal/terminal.h"
 #include "app/words/results.h"
 #include "base/error.h"
+#include "base/phrases/phrases.h"
 #include "haptics/conformance/conformance.h"
 #include "haptics/conformance/each_sample.h"
 
@@ -109,7 +110,9 @@ int home_device(haptics::Device& device, const CommonOptions& common, const std:
     return 0;
   }
   if (interrupted()) throw Cancelled();
-  throw Error(ErrorKind::device, {}, name + " did not home within a minute", "a device that is moved as it says");
+  const std::string says = told == nullptr ? "" : ": " + Phrases::of("en").text_or(told->phrase);
+  throw Error(ErrorKind::device, {}, name + " did not home within a minute" + says,
+              "a device that is moved, or set up, as it says");
 }
 
 haptics::CheckReport check_device(const haptics::DeviceKind& kind, const haptics::DeviceRequest& request,

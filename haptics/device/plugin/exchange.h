@@ -11,8 +11,8 @@
 
 namespace sparsha::haptics::plugin {
 
-/// How far the plug-in has come.
-enum class Stage : std::uint32_t { starts, opens, runs, refused };
+/// How far the plug-in has come. `refused`: it is none that can be used; `not_open`: it says that its device cannot.
+enum class Stage : std::uint32_t { starts, opens, runs, refused, not_open };
 
 /// A sample as words.
 using SampleWords = std::array<std::uint64_t, 10>;
@@ -29,7 +29,7 @@ using SampleWords = std::array<std::uint64_t, 10>;
 struct Exchange {
   system::WorkerHead head;
   std::atomic<Stage> stage{Stage::starts};
-  char problem[512] = {};      ///< before Stage::refused
+  char problem[512] = {};      ///< before Stage::refused and Stage::not_open
   sparsha_device_info info{};  ///< before Stage::runs
   system::SharedMail<10> samples;
   system::SharedMail<3> force;                ///< newtons

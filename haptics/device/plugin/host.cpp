@@ -17,9 +17,9 @@ constexpr double kForceWait = 0.5;  // of a period: so long a position's own for
 constexpr int kFinalZeros = 3;
 constexpr std::int64_t kMs = 1'000'000;
 
-void refuse(Exchange& shared, const std::string& problem) {
+void refuse(Exchange& shared, const std::string& problem, Stage stage = Stage::refused) {
   std::snprintf(shared.problem, sizeof shared.problem, "%s", problem.c_str());
-  shared.stage.store(Stage::refused);
+  shared.stage.store(stage);
 }
 
 /// The table, or null and the reason.
@@ -47,7 +47,7 @@ bool open(const sparsha_device_plugin& plugin, std::string& problem) {
   char text[256] = {};
   if (plugin.open(text, sizeof text) == 0) return true;
   text[sizeof text - 1] = '\0';
-  problem = text[0] == '\0' ? "it cannot open its device" : text;
+  problem = text[0] == '\0' ? "it does not say why" : text;
   return false;
 }
 
@@ -148,8 +148,12 @@ void run_plugin(const char* file, Exchange& shared) {
   std::string problem;
   shared.stage.store(Stage::opens);
   const sparsha_device_plugin* const plugin = load(file, problem);
-  if (plugin == nullptr || !open(*plugin, problem)) {
+  if (plugin == nullptr) {
     refuse(shared, problem);
+    return;
+  }
+  if (!open(*plugin, problem)) {
+    refuse(shared, problem, Stage::not_open);
     return;
   }
   sparsha_device_info info{};

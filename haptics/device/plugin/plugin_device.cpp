@@ -30,10 +30,13 @@ constexpr DeviceAdvice kWrong{"plugin_wrong", true};
 
 double number_of(std::uint64_t word) noexcept { return std::bit_cast<double>(word); }
 
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& wrong, const std::string& wanted) {
+  throw Error(ErrorKind::device, {file.string()}, wrong, wanted);
+}
+
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& wrong) {
-  throw Error(
-      ErrorKind::device, {file.string()}, "the plug-in cannot be used: " + wrong,
-      "a shared library after sparsha/device_plugin.h, version " + std::to_string(SPARSHA_DEVICE_PLUGIN_VERSION));
+  refuse(file, "the plug-in cannot be used: " + wrong,
+         "a shared library after sparsha/device_plugin.h, version " + std::to_string(SPARSHA_DEVICE_PLUGIN_VERSION));
 }
 
 DeviceInfo info_of(const sparsha_device_info& said) {
@@ -124,11 +127,17 @@ class PluginDevice final : public Device {
       const Stage stage = shared_.stage.load();
       if (stage == Stage::runs) return;
       if (stage == Stage::refused) refuse(file, shared_.problem);
+      if (stage == Stage::not_open)
+        refuse(file, std::string("the plug-in cannot open its device: ") + shared_.problem,
+               "a device that is plugged in and in order, as its driver wants it");
       if (worker_.end() != system::WorkerEnd::none)
-        refuse(file, "it crashed while it was opened (signal " + std::to_string(shared_.head.signal.load()) + ")");
+        refuse(file,
+               "the plug-in crashed while it was opened (signal " + std::to_string(shared_.head.signal.load()) + ")",
+               "a plug-in whose open() returns");
       if (stop && stop()) throw Cancelled();
       if (std::chrono::steady_clock::now() - began > kOpening)
-        refuse(file, "it has not opened its device for ten seconds");
+        refuse(file, "the plug-in has not opened its device for ten seconds",
+               "a plug-in whose open() returns within them");
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   }

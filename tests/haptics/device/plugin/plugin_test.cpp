@@ -110,7 +110,7 @@ TEST_F(Plugin, AClosedDeviceHasBeenToldSo) {
 
 TEST_F(Plugin, OneThatCannotBeUsedSaysWhy) {
   EXPECT_THAT(refusal("wrong-version"), HasSubstr("written for version 99 of sparsha/device_plugin.h, and this is 1"));
-  EXPECT_THAT(refusal("refuses"), HasSubstr("its cable is not plugged in"));
+  EXPECT_THAT(refusal("refuses"), HasSubstr("the plug-in cannot open its device: its cable is not plugged in"));
   EXPECT_THAT(refusal("no-table"), HasSubstr("sparsha_device_plugin_entry"));
   EXPECT_THAT(refusal("no-zero"), HasSubstr("a function of its table is missing"));
   EXPECT_THAT(refusal("no-info"), HasSubstr("info() fails"));
