@@ -10,7 +10,6 @@
 
 #include "app/commands/commands.h"
 #include "app/commands/sentences.h"
-#include "app/commands/unrolled_trace.h"
 #include "app/exploration/kept_scenes.h"
 #include "app/inputs.h"
 #include "app/terminal/terminal.h"
@@ -20,6 +19,7 @@
 #include "haptics/replay/replay_trace.h"
 #include "haptics/replay/trace.h"
 #include "haptics/replay/traced_surface.h"
+#include "haptics/replay/unrolled_trace.h"
 #include "haptics/window/objects.h"
 #include "scene/scene.h"
 
@@ -141,7 +141,8 @@ haptics::TraceResult trace_path(const scene::Scene& scene, const Arguments& argu
   if (scene.description().config.unroll && arguments.frame == "scan") {
     if (arguments.level >= 0 || !arguments.centre.empty())
       throw usage_error("a window (--level, --centre) has no scan frame on an unrolled object", "--frame grid with it");
-    return trace_unrolled(scene, haptics::read_hip_path(arguments.hip), surface_options(arguments), haptics, options);
+    return haptics::trace_unrolled(scene, haptics::read_hip_path(arguments.hip), surface_options(arguments), haptics,
+                                   options);
   }
   const auto surface = haptics::traced_surface(scene, part_of(arguments));
   std::vector<haptics::HipSample> path = haptics::read_hip_path(arguments.hip);

@@ -30,10 +30,10 @@ ProxyUpdate on_sheet(const AroundUpdate& found, const SheetSurface& sheet) {
 
 TraceResult trace_around(const ObjectSurface& object, const std::vector<HipSample>& path,
                          const Eigen::Matrix4d& scan_from_grid, const scene::HapticsConfig& haptics,
-                         const SolverOptions& solver) {
+                         const SolverOptions& solver, Progress* progress) {
   SolverOptions options = solver;
   if (haptics.surface == scene::HapticsConfig::Surface::c1) options.shape = CellShape::c1;
-  TraceRecorder recorder(path.size());
+  TraceRecorder recorder(path.size(), progress);
   const Eigen::Matrix4d grid_from_scan = scan_from_grid.inverse();
   const Eigen::Matrix3d turn = scan_from_grid.topLeftCorner<3, 3>();
   const Eigen::Matrix3d force_from_grid = turn / std::cbrt(std::abs(turn.determinant()));

@@ -12,9 +12,9 @@ namespace sparsha::haptics {
 
 /// Renders `path`, which is given in the scan frame like the rows that come back, forces too. At the first sample the
 /// proxy is the hand, wherever that is. `scan_from_grid` turns and scales alike in all directions where a force is to
-/// point from the hand to the proxy.
+/// point from the hand to the proxy. `progress` as in trace().
 [[nodiscard]] TraceResult trace_around(const ObjectSurface& object, const std::vector<HipSample>& path,
                                        const Eigen::Matrix4d& scan_from_grid, const scene::HapticsConfig& haptics,
-                                       const SolverOptions& options);
+                                       const SolverOptions& options, Progress* progress = nullptr);
 
 }  // namespace sparsha::haptics

@@ -18,6 +18,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr std::size_t kBlock = 4096;  // rows between two looks at the progress: some milliseconds
+
 double nanoseconds(Clock::time_point begin, Clock::time_point end) {
   return std::chrono::duration<double, std::nano>(end - begin).count();
 }
@@ -68,7 +70,7 @@ std::vector<std::string> sentences(const PathDoubts& doubts) {
   return all;
 }
 
-TraceRecorder::TraceRecorder(std::size_t rows) {
+TraceRecorder::TraceRecorder(std::size_t rows, Progress* progress) : expected_(rows), progress_(progress) {
   result_.summary.timer_overhead_ns = timer_overhead_ns();
   result_.rows.reserve(rows);
   residuals_.reserve(rows);
@@ -85,6 +87,8 @@ void TraceRecorder::add(TraceRow row, const MongeSurface& surface, const ProxyUp
 
 void TraceRecorder::add(TraceRow row, bool unfinished) {
   TraceSummary& summary = result_.summary;
+  if (progress_ != nullptr && result_.rows.size() % kBlock == 0)
+    progress_->at(static_cast<double>(result_.rows.size()) / static_cast<double>(std::max<std::size_t>(1, expected_)));
   ++summary.updates;
   row.tick_ns = std::max(0.0, row.tick_ns - summary.timer_overhead_ns);
   result_.rows.push_back(row);
@@ -117,10 +121,10 @@ TraceResult TraceRecorder::finish() && {
 }
 
 TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& path, const scene::HapticsConfig& haptics,
-                  const SolverOptions& solver) {
+                  const SolverOptions& solver, Progress* progress) {
   SolverOptions options = solver;
   if (haptics.surface == scene::HapticsConfig::Surface::c1) options.shape = CellShape::c1;
-  TraceRecorder recorder(path.size());
+  TraceRecorder recorder(path.size(), progress);
 
   const Eigen::Vector3d& origin = surface.lattice.origin_m;
   const bool paper = haptics.solver == scene::HapticsConfig::Solver::paper;

@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "base/threads/progress.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/surface/monge_surface.h"
 
@@ -68,14 +69,18 @@ struct TraceResult {
   TraceSummary summary;
 };
 
-/// Renders `path` (grid frame) on `surface`. At the first sample the proxy starts above or at the HIP.
+/// Renders `path` (grid frame) on `surface`. At the first sample the proxy starts above or at the HIP. `progress`,
+/// where there is one, is told the share of the rows every few thousand of them; when it is cancelled, Cancelled is
+/// thrown.
 [[nodiscard]] TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& path,
-                                const scene::HapticsConfig& haptics, const SolverOptions& options);
+                                const scene::HapticsConfig& haptics, const SolverOptions& options,
+                                Progress* progress = nullptr);
 
 /// Gathers rows and judges every rest, for trace() and others that render offline.
 class TraceRecorder {
  public:
-  explicit TraceRecorder(std::size_t rows);
+  /// `progress` as in trace().
+  explicit TraceRecorder(std::size_t rows, Progress* progress = nullptr);
 
   /// `row.tick_ns` as measured; `found` on `surface` for the hand at `hip_local_m`.
   void add(TraceRow row, const MongeSurface& surface, const ProxyUpdate& found, const Eigen::Vector3d& hip_local_m,
@@ -88,6 +93,8 @@ class TraceRecorder {
   void doubt(const TraceRow& row);
 
   TraceResult result_;
+  std::size_t expected_;  // rows
+  Progress* progress_;
   std::vector<double> residuals_;
   double latest_s_ = -std::numeric_limits<double>::infinity();
 };

@@ -1,5 +1,6 @@
 #include "haptics/replay/trace.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -65,6 +66,28 @@ TEST_F(TraceFiles, ReadsPathsAndRunsWhateverTheOrderOfColumnsAndLineEnds) {
   EXPECT_EQ(samples[1].position_m, Eigen::Vector3d(1e-3, -2.5, 4.0));
   const auto run = write("run.csv", "hip_z_m,t_s,flags,hip_x_m,hip_y_m\n3,0,abc,1,2");
   EXPECT_EQ(read_hip_path(run).at(0).position_m, Eigen::Vector3d(1, 2, 3));
+}
+
+TEST_F(TraceFiles, ACancelledTraceEndsAtItsNextLookAndAProgressChangesNoRow) {
+  const MongeSurface surface = make_sinusoid(50);
+  const std::vector<HipSample> path = stroke(surface, 30000, 1e-3);
+  std::vector<double> told;
+  Progress whole([&](const ProgressUpdate& update) { told.push_back(update.fraction); });
+  const TraceResult plain = trace(surface, path, {}, {});
+  const TraceResult watched = trace(surface, path, {}, {}, &whole);
+  ASSERT_GE(told.size(), 4U);
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+  ASSERT_EQ(watched.rows.size(), plain.rows.size());
+  for (std::size_t n = 0; n < plain.rows.size(); ++n) {
+    ASSERT_EQ(watched.rows[n].proxy_m, plain.rows[n].proxy_m) << n;
+    ASSERT_EQ(watched.rows[n].force_n, plain.rows[n].force_n) << n;
+  }
+  std::size_t looks = 0;
+  Progress ended([&](const ProgressUpdate&) {
+    if (++looks == 2) ended.cancel();
+  });
+  EXPECT_THROW((void)trace(surface, path, {}, {}, &ended), Cancelled);
+  EXPECT_EQ(looks, 2U);
 }
 
 TEST_F(TraceFiles, RowsThatAreNoNumbersDoubleOrBackInTimeAreCountedAndNamed) {
