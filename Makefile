@@ -8,7 +8,7 @@ ASSERTIONS ?= OFF
 # while a library is linked; a folder keeps what it began with.
 FIRST = $(if $(wildcard $(BUILD)/CMakeCache.txt),,-DSPARSHA_PRECOMPILE=ON $(if $(shell command -v ninja),-G Ninja))
 
-.PHONY: run test tests package docs setup setup-run nightly bench bench-quick soak format clean
+.PHONY: run test tests package docs setup setup-run setup-package nightly bench bench-quick soak format clean
 
 run: setup-run
 	@cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release -DSPARSHA_LIBRARY_ASSERTIONS=$(ASSERTIONS) $(FIRST) > $(BUILD)-configure.log 2>&1 \
@@ -26,7 +26,7 @@ test: tests
 
 # Same sources, same bytes: times in the packages are that of the last commit.
 package: export SOURCE_DATE_EPOCH ?= $(shell git log -1 --format=%ct 2>/dev/null || echo 0)
-package: setup-run
+package: setup-package
 	cmake -S . -B $(BUILD) -DCMAKE_BUILD_TYPE=Release $(FIRST)
 	cmake --build $(BUILD) -j$(JOBS) --target sparsha_packaged
 	cd $(BUILD) && cpack
@@ -41,6 +41,9 @@ setup:
 
 setup-run:
 	@tools/setup.sh packages.txt run
+
+setup-package:
+	@tools/setup.sh packages.txt package
 
 nightly: setup
 	@tools/nightly.sh

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that a list names and the machine lacks; says which first. Nothing missing: no apt at all.
-# setup.sh LIST [run]: with `run` the list ends at the line that begins with "# below:".
+# setup.sh LIST [run|package]: with `run` the list ends at the line that begins with "# below:", with `package` at the one
+# that begins with "# below that:".
 set -euo pipefail
 list=$1
 until=${2:-all}
@@ -12,6 +13,7 @@ fi
 missing=()
 while read -r name; do
   if [ "$until" = run ] && [[ $name == '# below:'* ]]; then break; fi
+  if [ "$until" = package ] && [[ $name == '# below that:'* ]]; then break; fi
   case $name in ''|'#'*) continue ;; esac
   status=$(dpkg-query -W -f='${db:Status-Status}' "$name" 2>/dev/null || true)
   [ "$status" = installed ] || missing+=("$name")

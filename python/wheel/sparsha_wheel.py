@@ -1,12 +1,13 @@
 """The backend of pyproject.toml (PEP 517): CMake builds and installs the component python, which becomes a wheel.
 
 Settings, as `pip install . --config-settings NAME=VALUE`: build-dir, a build folder to use and keep (default: one that goes
-afterwards); jobs, how many files are compiled at once (default: one a core)."""
+afterwards); jobs, how many files are compiled at once (default: one a core). CMAKE_ARGS of the environment is handed to CMake."""
 import base64
 import hashlib
 import os
 import pathlib
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -17,6 +18,8 @@ import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SUMMARY = "Raw scans of cultural heritage, made into surfaces that can be touched"
+NUMPY = "numpy<2"  # which pybind11 before 2.12 does not know; Debian 12 has 2.10
+LICENCES = (ROOT / "LICENSE", ROOT / "packaging/copyright")  # ours, and those of what is compiled in
 DATE = (1980, 1, 1, 0, 0, 0)  # of every file, so that the same package is the same wheel
 
 
@@ -45,15 +48,16 @@ def install_into(prefix, build, jobs):
     """Builds the module for this interpreter and installs it below `prefix`; gives the package's folder."""
     generator = [] if (build / "CMakeCache.txt").exists() or not shutil.which("ninja") else ["-G", "Ninja"]
     run("cmake", "-S", ROOT, "-B", build, *generator, "-DCMAKE_BUILD_TYPE=Release", "-DSPARSHA_PYTHON=ON",
-        f"-DSPARSHA_PYTHON_EXECUTABLE={sys.executable}")
+        f"-DSPARSHA_PYTHON_EXECUTABLE={sys.executable}", *shlex.split(os.environ.get("CMAKE_ARGS", "")))
     run("cmake", "--build", build, "-j", jobs, "--target", "sparsha_python_package")
-    run("cmake", "--install", build, "--component", "python", "--prefix", prefix)
+    os.environ.pop("DESTDIR", None)  # of a packager's own, which is not this folder's
+    run("cmake", "--install", build, "--component", "python", "--prefix", prefix, "--strip")
     return next(pathlib.Path(prefix).rglob("_core.*")).parent
 
 
 def metadata():
     return (f"Metadata-Version: 2.1\nName: sparsha\nVersion: {version()}\nSummary: {SUMMARY}\nRequires-Python: >=3.9\n"
-            "Requires-Dist: numpy\n")
+            f"Requires-Dist: {NUMPY}\nLicense-File: LICENSE\nLicense-File: copyright\n")
 
 
 def wheel_of(package, folder):
@@ -62,6 +66,8 @@ def wheel_of(package, folder):
     name = f"sparsha-{version()}-{tag()}.whl"
     files = {f"sparsha/{path.name}": path.read_bytes() for path in sorted(pathlib.Path(package).iterdir()) if path.is_file()}
     files[f"{info}/METADATA"] = metadata().encode()
+    for licence in LICENCES:
+        files[f"{info}/{licence.name}"] = licence.read_bytes()
     files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: sparsha\nRoot-Is-Purelib: false\nTag: {tag()}\n".encode()
     records = []
     for path, data in files.items():

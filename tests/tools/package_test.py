@@ -13,6 +13,8 @@ import tempfile
 
 CPACK, BUILD = pathlib.Path(sys.argv[1]).with_name("cpack"), pathlib.Path(sys.argv[2])
 EPOCH = "1700000000"
+PYTHON, MODULES = "python3-sparsha", "usr/lib/python3/dist-packages"
+PARTS = {"sparsha-mpi": "lib*/sparsha/libsparsha_mpi.so", PYTHON: "python/sparsha/_core.*.so"}  # of the build folder
 
 
 def run(*words, **others):
@@ -47,6 +49,23 @@ def use(root, work):
     assert (work / "relief.stl").stat().st_size > 10000
 
 
+def use_module(root, work):
+    """As the system's Python would, which writes its bytecode beside the modules."""
+    (work / "empty").mkdir()
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+    python = ["/usr/bin/python3", "-W", "ignore", "-c"]
+    told = run(*python, "import sys; sys.path.insert(0, sys.argv[1]); import sparsha, importlib.metadata as m;"
+               "print(sparsha.__file__, m.version('sparsha') == sparsha.__version__, sparsha.open(sys.argv[2]).report['points']['read'] > 0)",
+               root / MODULES, work / "scene", cwd=work / "empty", env=environment)
+    assert told.split() == [str(root / MODULES / "sparsha" / "__init__.py"), "True", "True"], told
+    assert any((root / MODULES / "sparsha/__pycache__").iterdir())
+    example = root / "usr/share/doc/python3-sparsha/examples/friction.py"
+    run("/usr/bin/python3", "-W", "ignore", example, "--quick", cwd=work / "empty", env={**environment, "PYTHONPATH": root / MODULES, "PYTHONDONTWRITEBYTECODE": "1"})
+    assert (work / "empty/pictures").is_dir()
+    for library in (root / MODULES / "sparsha").glob("*.so"):
+        assert "not found" not in run("ldd", library), library
+
+
 def main():
     if os.environ.get("SPARSHA_NIGHTLY") != "1" or os.geteuid() != 0 or not shutil.which("dpkg-shlibdeps"):
         print("skipped: of the nightly run (SPARSHA_NIGHTLY=1), as root, with dpkg-dev")
@@ -54,7 +73,8 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         work = pathlib.Path(name)
         made = packages(work / "first")
-        assert sorted(made) in (["libsparsha-dev", "sparsha"], ["libsparsha-dev", "sparsha", "sparsha-mpi"]), made
+        others = [package for package, part in PARTS.items() if any(BUILD.glob(part))]
+        assert sorted(made) == sorted(["libsparsha-dev", "sparsha", *others]), made
         again = packages(work / "second")
         for package, path in made.items():
             assert path.read_bytes() == again[package].read_bytes(), f"{package}: two runs give other bytes"
@@ -64,6 +84,11 @@ def main():
         if "sparsha-mpi" in made:
             depends = run("dpkg-deb", "-f", made["sparsha-mpi"], "Depends")
             assert "mpi" in depends and "sparsha (= " in depends, depends
+        if PYTHON in made:
+            depends = run("dpkg-deb", "-f", made[PYTHON], "Depends")
+            for needed in (r"python3 \(>= 3\.\d+~\)", r"python3 \(<< 3\.\d+\)", "python3-numpy", "libc6", "libstdc\\+\\+6"):
+                assert re.search(needed, depends), depends
+            assert not re.search(r"-dev\b|vtk|qt|gdal|mpi|sparsha", depends), depends
 
         root, admin = work / "root", work / "root/var/lib/dpkg"
         for folder in (root / "home/user/sparsha-scenes", admin / "updates", admin / "info"):
@@ -83,11 +108,16 @@ def main():
                   "usr/lib/cmake/Sparsha/SparshaConfig.cmake"]
         if "sparsha-mpi" in made:
             wanted += ["usr/lib/sparsha/libsparsha_mpi.so", "usr/share/doc/sparsha-mpi/copyright"]
+        if PYTHON in made:
+            wanted += [f"{MODULES}/sparsha/{name}" for name in ("__init__.py", "_core.pyi", "py.typed")]
+            wanted += ["usr/share/doc/python3-sparsha/copyright", "usr/share/doc/python3-sparsha/examples/statue.py"]
         missing = [path for path in wanted if path not in installed]
         assert not missing, missing
         use(root, work)
+        if PYTHON in made:
+            use_module(root, work)
         run(*dpkg, "-i", *made.values())  # an upgrade
-        assert files(root) == installed
+        assert [path for path in files(root) if "__pycache__" not in path] == installed
         run(*dpkg, "--purge", *made)
         assert files(root) == before, sorted(set(files(root)) - set(before))
         assert not (root / "usr").exists(), "a folder stays"
