@@ -19,7 +19,7 @@ colors = np.stack([0.5 + 100 * wave, np.full(count, 0.4), 0.5 - 100 * wave], axi
 cloud = sparsha.Cloud(points, colour=colors)
 left, steps = cloud.filtered([{"outliers": {"neighbours": 8, "sigma": 3}}])
 print(cloud, "->", left, steps)
-scene = sparsha.build(left, config={"grid": {"spacing_mm": 1 if options.quick else 0.5, "colour": True}, "check": {}})
+scene = sparsha.build(left, config={"grid": {"spacing_mm": 1.5 if options.quick else 0.8, "colour": True}, "fill": {"max_gap_mm": 5}, "check": {}})
 rms = scene.report["check"]["cloud_to_surface"]["rms_m"]
 grid_x = scene.origin[0] + scene.spacing() * np.arange(scene.shape()[1])
 grid_y = scene.origin[1] + scene.spacing() * np.arange(scene.shape()[0])
@@ -32,5 +32,6 @@ proxy, force = renderer.step((0.1, 0.07, scene.origin[2] + 0.02))
 for z in np.linspace(0.02, -0.004, 200):
     proxy, force = renderer.step((0.1, 0.07, z))
 print(f"a finger at 4 mm below zero is held at {1e3 * proxy[2]:.2f} mm with {np.round(force, 2)} N")
-picture.write_png(options.out / "arrays-colour.png", np.ascontiguousarray(scene.colour()[::-1, :, :3]))
+colour = scene.colour()[::-1]  # no point, no colour: filled nodes have none, and are white here
+picture.write_png(options.out / "arrays-colour.png", np.where(colour[:, :, 3:] > 0, colour[:, :, :3], np.uint8(255)))
 picture.write_png(options.out / "arrays-relief.png", picture.shaded(scene.heights(), scene.spacing()))

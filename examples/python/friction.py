@@ -1,15 +1,13 @@
 """Friction laws compared: one relief, one stroke, and what each law holds against the finger.
 
   PYTHONPATH=build/python /usr/bin/python3 examples/python/friction.py --out pictures"""
-import pathlib
-
 import numpy as np
 import sparsha
 
 import picture
 
 options = picture.arguments(__doc__)
-config = pathlib.Path(__file__).resolve().parents[2] / "data/relief/sparsha.yaml"
+config = picture.sample("data/relief/sparsha.yaml")
 size = 200 if options.quick else 400
 laws = {"frictionless": None, "constant": {"law": "constant", "mu_0": 0.3},
         "curvature": {"law": "curvature", "mu_0": 0.2, "mu_max": 0.5}, "paper": {"law": "paper", "mu_max": 0.5}}
@@ -19,11 +17,11 @@ for name, friction in laws.items():
                           **({"friction": friction} if friction else {}))
     ny, nx = scene.shape()
     x0, y0, z0 = scene.origin
-    # A stroke along the middle row, 1 mm below the highest height of the nodes around it.
+    # A stroke of 45 mm along the middle row, 1 mm below the surface.
     row = scene.heights()[ny // 2]
     known = np.flatnonzero(np.isfinite(row))
     count = 4000 if options.quick else 20000
-    x = np.linspace(x0 + scene.spacing() * known[3], x0 + scene.spacing() * known[-3], count)
+    x = x0 + scene.spacing() * nx / 2 + np.linspace(-0.0225, 0.0225, count)
     ground = np.interp(x, x0 + scene.spacing() * known, row[known])
     path = np.stack([x, np.full(count, y0 + scene.spacing() * (ny // 2)), z0 + ground - 0.001], axis=-1)
     trace = sparsha.Renderer(scene, friction=friction is not None, stiffness=500).trace(path)
@@ -33,4 +31,5 @@ for name, friction in laws.items():
     drawn = "no coefficients" if scene.friction() is None else "mu_dynamic {:.2f} to {:.2f}".format(
         *np.nanpercentile(scene.friction()[0][scene.mask() > 0], [5, 95]))
     print(f"{name:13} {held:5.2f} of the force is along the stroke; {drawn}")
-picture.lines(options.out / "friction.png", 1e3 * along, curves, "along the stroke, mm", "force against the stroke, N")
+picture.chart(options.out / "friction.svg", 1e3 * along, curves, "One stroke over a relief under four laws of friction",
+              "along the stroke, mm", "force against the stroke, N")

@@ -1,17 +1,16 @@
-"""Pictures of the examples: by Matplotlib where it is, else a plain PNG of the same data."""
+"""Pictures of the examples, by NumPy alone: reliefs as PNG, curves as SVG, which every browser shows."""
 import argparse
+import html
 import pathlib
 import struct
+import sys
 import zlib
 
 import numpy as np
 
-try:
-    import matplotlib
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-except ImportError:
-    pyplot = None
+COLOURS = ("#0072b2", "#d55e00", "#00805e", "#a8487f")
+MARKS = ("circle", "square", "diamond", "triangle")
+WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 760, 420, 70, 20, 40, 60  # pixels; the last four are margins
 
 
 def arguments(text):
@@ -22,6 +21,15 @@ def arguments(text):
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     return options
+
+
+def sample(name):
+    """A file of the sample scans: of the sources that this file lies in, or of the package `sparsha`."""
+    here = pathlib.Path(__file__).resolve()  # examples/python, or share/doc/python3-sparsha/examples
+    for place in (here.parents[2], here.parents[3] / "sparsha", pathlib.Path(sys.prefix) / "share/sparsha"):
+        if (place / name).exists():
+            return place / name
+    sys.exit(f"{name} is not there; it comes with the sources and with the package sparsha")
 
 
 def write_png(file, rgb):
@@ -36,34 +44,63 @@ def write_png(file, rgb):
 
 
 def shaded(heights, spacing):
-    """Heights (ny, nx) lit from the upper left: (ny, nx, 3) uint8, the top row first."""
+    """Heights (ny, nx) lit from the upper left, white where unknown: (ny, nx, 3) uint8, the top row first."""
     dy, dx = np.gradient(heights, spacing)
-    light = (-dx * -0.5 + -dy * 0.5 + 0.7) / np.sqrt(1 + dx**2 + dy**2)
-    grey = np.nan_to_num(np.clip(light, 0, 1) * 255).astype(np.uint8)
+    light = np.clip((-dx * -0.5 + -dy * 0.5 + 0.7) / np.sqrt(1 + dx**2 + dy**2), 0, 1)
+    grey = np.where(np.isfinite(light), 230 * np.nan_to_num(light), 255).astype(np.uint8)
     return np.repeat(grey[::-1, :, None], 3, axis=2)
 
 
-def lines(file, x, curves, xlabel, ylabel):
-    """Curves {name: y} over x."""
-    if pyplot:
-        figure, axes = pyplot.subplots(figsize=(7, 4))
-        for name, y in curves.items():
-            axes.plot(x, y, label=name, linewidth=1)
-        axes.set_xlabel(xlabel)
-        axes.set_ylabel(ylabel)
-        axes.legend()
-        figure.savefig(file, dpi=110)
-        pyplot.close(figure)
-        return
-    colours = ((0, 114, 178), (213, 94, 0), (0, 128, 94), (168, 72, 127))
-    rgb = np.full((320, 640, 3), 255, np.uint8)
-    values = np.concatenate([np.asarray(y, float) for y in curves.values()])
-    low, high = np.nanmin(values), np.nanmax(values)
-    columns = np.clip((np.asarray(x) - x[0]) / (x[-1] - x[0]) * 639, 0, 639).astype(int)
-    for colour, y in zip(colours, curves.values()):
-        rows = 310 - (np.asarray(y, float) - low) / max(high - low, 1e-30) * 300
-        for k in range(1, len(rows)):
-            if np.isfinite(rows[k - 1:k + 1]).all():
-                first, last = sorted((int(rows[k - 1]), int(rows[k])))
-                rgb[first:last + 1, columns[k]] = colour
-    write_png(file, rgb)
+def ticks(low, high):
+    """Five to ten round numbers from low to high."""
+    step = 10 ** np.floor(np.log10((high - low) / 5))
+    step *= next(factor for factor in (1, 2, 5, 10) if (high - low) / (factor * step) <= 10)
+    return step * np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) + 0.0  # no -0
+
+
+def mark(kind, x, y, colour):
+    if kind == "circle":
+        return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="{colour}"/>'
+    corners = {"square": ((-5, -5), (5, -5), (5, 5), (-5, 5)), "diamond": ((0, -6), (6, 0), (0, 6), (-6, 0)),
+               "triangle": ((0, -6), (6, 5), (-6, 5))}[kind]
+    return f'<polygon points="{" ".join(f"{x + a:.1f},{y + b:.1f}" for a, b in corners)}" fill="{colour}"/>'
+
+
+def chart(file, x, curves, title, xlabel, ylabel, power=False):
+    """Curves {name: values} over x: numbers, or the names of cases, whose values are marks. power: of ten, along y."""
+    cases = None if np.asarray(x).dtype.kind in "fiu" else list(x)
+    x = np.arange(len(cases)) if cases else np.asarray(x, float)
+    values = {name: np.log10(y) if power else np.asarray(y, float) for name, y in curves.items()}
+    known = np.concatenate([y[np.isfinite(y)] for y in values.values()])
+    low, high = known.min(), known.max()
+    low, high = low - 0.05 * (high - low or 1), high + 0.05 * (high - low or 1)
+    first, last = (-0.5, len(cases) - 0.5) if cases else (x.min(), x.max())
+
+    def across(at):
+        return LEFT + (np.asarray(at) - first) / (last - first) * (WIDTH - LEFT - RIGHT)
+
+    def down(at):
+        return HEIGHT - BOTTOM - (np.asarray(at) - low) / (high - low) * (HEIGHT - TOP - BOTTOM)
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" role="img" '
+             f'font-family="sans-serif" font-size="12"><title>{html.escape(title)}</title><rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>']
+    for at in ticks(low, high):
+        y = down(at)
+        label = f'10<tspan dy="-5" font-size="9">{at:.0f}</tspan>' if power else f"{at:.6g}"
+        parts.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y:.1f}" y2="{y:.1f}" stroke="#ddd"/>'
+                     f'<text x="{LEFT - 6}" y="{y + 4:.1f}" text-anchor="end">{label}</text>')
+    for at, label in zip(x, cases) if cases else ((t, f"{t:.6g}") for t in ticks(first, last)):
+        parts.append(f'<text x="{across(at):.1f}" y="{HEIGHT - BOTTOM + 18}" text-anchor="middle">{html.escape(label)}</text>')
+    parts.append(f'<rect x="{LEFT}" y="{TOP}" width="{WIDTH - LEFT - RIGHT}" height="{HEIGHT - TOP - BOTTOM}" fill="none" stroke="#555"/>'
+                 f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{HEIGHT - 16}" text-anchor="middle">{html.escape(xlabel)}</text>'
+                 f'<text transform="translate(18 {(TOP + HEIGHT - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">{html.escape(ylabel)}</text>')
+    for k, (name, y) in enumerate(values.items()):
+        legend = LEFT + 8 + 160 * k
+        if cases:
+            parts += [mark(MARKS[k], a, b, COLOURS[k]) for a, b in zip(across(x), down(y))] + [mark(MARKS[k], legend + 10, 24, COLOURS[k])]
+        else:
+            finite = np.isfinite(y)
+            points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(across(x[finite]), down(y[finite])))
+            parts.append(f'<polyline points="{points}" fill="none" stroke="{COLOURS[k]}" stroke-width="1.2"/>'
+                         f'<line x1="{legend}" x2="{legend + 20}" y1="24" y2="24" stroke="{COLOURS[k]}" stroke-width="3"/>')
+        parts.append(f'<text x="{legend + 26}" y="28">{html.escape(name)}</text>')
+    pathlib.Path(file).write_text("\n".join([*parts, "</svg>\n"]), encoding="utf-8")

@@ -1,15 +1,13 @@
 """A statue from scan to force: eight stations become a whole object, and a finger goes once around it.
 
   PYTHONPATH=build/python /usr/bin/python3 examples/python/statue.py --out pictures"""
-import pathlib
-
 import numpy as np
 import sparsha
 
 import picture
 
 options = picture.arguments(__doc__)
-config = pathlib.Path(__file__).resolve().parents[2] / "configs/statue.yaml"
+config = picture.sample("configs/statue.yaml")
 told = set()
 
 
@@ -42,5 +40,5 @@ print(f"{trace.contact.sum()} of {count} ticks touch, on {trace.summary['sheets_
       f"{np.linalg.norm(trace.force, axis=1).max():.2f} N; a tick takes {trace.summary['ns_median']:.0f} ns in the median")
 
 picture.write_png(options.out / "statue-front.png", picture.shaded(scene.heights(), scene.spacing()))
-picture.lines(options.out / "statue-force.png", np.degrees(turn), {"force": np.linalg.norm(trace.force, axis=1)},
-              "around the statue, degrees", "force, newtons")
+picture.chart(options.out / "statue-force.svg", np.degrees(turn), {"force": np.linalg.norm(trace.force, axis=1)},
+              "The force on a finger that goes once around a statue", "around the statue, degrees", "force, newtons")

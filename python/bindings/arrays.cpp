@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <utility>
 
 #include "base/error.h"
@@ -21,17 +23,77 @@ std::string shape_text(const py::array& array) {
   return text + (array.ndim() == 1 ? ",)" : ")");
 }
 
+/// Numbers that came in, and which of them a masked array hides: an array of bool of the same shape, or None.
+struct Given {
+  py::array numbers;
+  py::object mask = py::none();
+};
+
+/// The first and the last byte of an array that has elements, and one more.
+std::pair<const char*, const char*> bytes_of(const py::array& array) {
+  const char* first = static_cast<const char*>(array.data());
+  const char* last = first + array.itemsize();
+  for (py::ssize_t d = 0; d < array.ndim(); ++d) {
+    const py::ssize_t reach = (array.shape(d) - 1) * array.strides(d);
+    (reach < 0 ? first : last) += reach;
+  }
+  return {first, last};
+}
+
+/// NumPy's as_strided() believes whatever shape and strides it is given; other views lie within what they are made of.
+void require_own_memory(const py::array& array, const std::string& name) {
+  if (array.size() == 0) return;
+  bool strided = false;
+  py::array whole = array;
+  py::object base = array.base();
+  while (base && !base.is_none()) {
+    if (py::isinstance<py::array>(base)) {
+      whole = base.cast<py::array>();
+    } else if (py::hasattr(base, "__array_interface__") && py::hasattr(base, "base")) {  // what as_strided() goes by
+      strided = true;
+    } else {
+      break;
+    }
+    base = base.attr("base");
+  }
+  if (!strided) return;
+  const auto [first, last] = bytes_of(array);
+  const auto [begin, end] = bytes_of(whole);
+  if (first >= begin && last <= end) return;
+  throw usage_error(name + " reaches beyond the memory of the array that it is a view of",
+                    "shape and strides that stay within it");
+}
+
+/// A list of masked arrays becomes one of them; NumPy would forget their masks.
+py::object with_masks(const py::handle& given, const py::object& masked_array) {
+  const bool list = py::isinstance<py::list>(given);
+  if (!list && !py::isinstance<py::tuple>(given)) return py::reinterpret_borrow<py::object>(given);
+  for (const py::handle& item : given) {
+    if (!py::isinstance(item, masked_array)) continue;
+    try {
+      return masked_array(given);
+    } catch (py::error_already_set&) {  // of no shape, as is said of other lists
+      break;
+    }
+  }
+  return py::reinterpret_borrow<py::object>(given);
+}
+
 /// What is given, as an array of any real type that has not been copied yet.
-py::array checked(const py::handle& given, const std::string& name, int columns, const char* kinds, const char* what,
-                  std::size_t bytes_per_number) {
-  if (given.is_none()) throw py::type_error(name + " is None; expected an array of " + what);
-  py::array array = py::array::ensure(given);
+Given checked(const py::handle& argument, const std::string& name, int columns, const char* kinds, const char* what,
+              std::size_t bytes_per_number) {
+  if (argument.is_none()) throw py::type_error(name + " is None; expected an array of " + what);
+  const py::object masked_array = py::module_::import("numpy.ma").attr("MaskedArray");
+  const py::object given = with_masks(argument, masked_array);
+  const bool may_hide = py::isinstance(given, masked_array);
+  const py::array array = py::array::ensure(may_hide ? given.attr("data") : given);
   if (!array) {
     PyErr_Clear();
     throw py::type_error(name + " cannot be made an array; expected an array of " + what);
   }
   const char kind = array.dtype().kind();
-  if (std::string(kinds).find(kind) == std::string::npos && array.size() > 0) {
+  const bool none_of_a_list = array.size() == 0 && kind == 'f';  // [] is one of doubles
+  if (std::string(kinds).find(kind) == std::string::npos && !none_of_a_list) {
     throw py::type_error(
         fmt::format("{} holds {}; expected {}", name, py::str(array.dtype()).cast<std::string>(), what));
   }
@@ -44,32 +106,58 @@ py::array checked(const py::handle& given, const std::string& name, int columns,
     throw usage_error(fmt::format("{} claims {} rows, which are one row repeated (stride 0)", name, array.shape(0)),
                       "an array with memory for each row, e.g. numpy.array(...)");
   }
+  if (array.shape(0) > 1 && std::abs(array.strides(0)) < array.itemsize()) {
+    throw usage_error(fmt::format("{} has rows {} bytes apart, whose numbers have {} bytes", name, array.strides(0),
+                                  array.itemsize()),
+                      "rows that begin with different numbers");
+  }
   const double bytes = static_cast<double>(array.size()) * static_cast<double>(bytes_per_number);
   const auto memory = static_cast<double>(system::physical_memory_bytes());
   if (memory > 0.0 && bytes > memory) {
     throw usage_error(fmt::format("{} needs {:.3g} GB", name, 1e-9 * bytes),
                       fmt::format("less than this machine's memory, {:.3g} GB", 1e-9 * memory));
   }
-  return array;
+  require_own_memory(array, name);
+  const py::object mask = may_hide ? py::module_::import("numpy.ma").attr("getmaskarray")(given) : py::none();
+  return {array, may_hide && mask.attr("any")().cast<bool>() ? mask : py::none()};
+}
+
+void refuse_masked(const Given& given, const std::string& name, int columns) {
+  if (given.mask.is_none()) return;
+  const auto first = given.mask.attr("argmax")().cast<py::ssize_t>();
+  throw usage_error(fmt::format("row {} of {} is masked", first / std::max(1, columns), name),
+                    "numbers that are known, e.g. the rows without masked ones");
+}
+
+/// Masked numbers become NaN, in a copy.
+template <typename Array>
+void forget_masked(Array& numbers, const Given& given) {
+  if (given.mask.is_none()) return;
+  numbers = Array(numbers.attr("copy")());
+  numbers[given.mask] = std::numeric_limits<double>::quiet_NaN();
 }
 
 template <typename Array>
-Array converted(const py::array& array, const std::string& name) {
+Array converted(const py::array& array) {
   Array result = Array::ensure(array);
   if (result) return result;
   // Not of the type itself: by NumPy's own conversion.
   PyErr_Clear();
   result = Array::ensure(array.attr("astype")(py::dtype::of<typename Array::value_type>()));
   if (!result) throw py::error_already_set();
-  static_cast<void>(name);
   return result;
 }
 
 template <typename Array>
 Array numbers_of(const py::handle& given, const std::string& name, int columns, Numbers numbers) {
   using Value = typename Array::value_type;
-  Array result = converted<Array>(checked(given, name, columns, "fiu", "real numbers", sizeof(Value)), name);
-  if (numbers == Numbers::any) return result;
+  const Given real = checked(given, name, columns, "fiu", "real numbers", sizeof(Value));
+  if (numbers == Numbers::finite) refuse_masked(real, name, columns);
+  Array result = converted<Array>(real.numbers);
+  if (numbers == Numbers::any) {
+    forget_masked(result, real);
+    return result;
+  }
   const Value* const data = result.data();
   for (py::ssize_t n = 0; n < result.size(); ++n) {
     if (!std::isfinite(data[n])) {
@@ -92,8 +180,9 @@ Floats float_rows_of(const py::handle& given, const std::string& name, int colum
 
 Integers whole_rows_of(const py::handle& given, const std::string& name, int columns, std::int64_t low,
                        std::int64_t high) {
-  const py::array array = checked(given, name, columns, "iu", "whole numbers", sizeof(std::int64_t));
-  Integers result = converted<Integers>(array, name);
+  const Given whole = checked(given, name, columns, "iu", "whole numbers", sizeof(std::int64_t));
+  refuse_masked(whole, name, columns);
+  Integers result = converted<Integers>(whole.numbers);
   const std::int64_t* const data = result.data();
   for (py::ssize_t n = 0; n < result.size(); ++n) {
     if (data[n] < low || data[n] > high) {

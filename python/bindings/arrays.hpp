@@ -22,9 +22,10 @@ using Integers = pybind11::array_t<std::int64_t, pybind11::array::c_style>;
 enum class Numbers : std::uint8_t { finite, any };
 
 /// Rows of `columns` numbers (0: one number a row, an array of one dimension), as doubles in C order, copied where they
-/// are not so already. `name` is what messages call it. Raises TypeError for what is no array of real numbers;
-/// UsageError for another shape, for rows that are one row repeated (stride 0), for more than the machine's memory, and
-/// for a number that is not finite, with its row.
+/// are not so already. `name` is what messages call it. Numbers that a masked array hides are NaN. Raises TypeError for
+/// what is no array of real numbers; UsageError for another shape, for rows that are one row repeated (stride 0) or
+/// begin within one number, for more memory than the machine has or the array is made of, and for a number that is
+/// hidden or not finite, with its row.
 [[nodiscard]] Doubles rows_of(const pybind11::handle& given, const std::string& name, int columns,
                               Numbers numbers = Numbers::finite);
 /// The same in single precision.

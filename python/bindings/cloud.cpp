@@ -184,6 +184,7 @@ CloudPointer read(const py::object& files, const py::object& units, const std::v
   std::vector<std::string> keys;
   for (const std::string& field : fields) keys.push_back(pipeline::field_key(field));
   return run(progress, [&](Progress& told) {
+    told.begin("read");
     pipeline::ScanSet set(scans, pipeline::ScanSet::Keep::quickest, false, told, keys);
     return std::make_shared<Cloud>(set.load(set.origin_m(), told));
   });
@@ -201,6 +202,7 @@ py::tuple filtered(const Cloud& cloud, const py::list& filters, double spacing_m
     if (!known) throw usage_error("the cloud has no field '" + field + "'", "read(..., fields=['" + field + "'])");
   }
   const auto result = run(progress, [&](Progress& told) {
+    told.begin("filter");
     auto left = std::make_shared<Cloud>(cloud);
     left->points = Cloud().points;
     left->resize_points(cloud.size());
@@ -260,11 +262,11 @@ Cloud(points, *, origin=None, colour=None, intensity=None, normals=None, faces=N
 
 points: (n, 3) real numbers, metres, finite; any strides, byte order and precision. origin: (3,), what single
 precision is relative to; None: the median in whole metres, so that georeferenced points keep 0.1 mm.
-colour: (n, 3) or (n, 4), whole numbers 0 to 255 or fractions 0 to 1. intensity: (n,), NaN where unknown.
+colour: (n, 3) or (n, 4), whole numbers 0 to 255 or fractions 0 to 1. intensity: (n,), NaN or masked where unknown.
 normals: (n, 3), they tell the outer side. faces: (m, 3) indices of triangles. fields: name -> (n,).
 
-Raises TypeError for what is no array of numbers; UsageError for a wrong shape, numbers that are not finite (with
-their row), rows that are one row repeated, and more than the machine's memory.
+Raises TypeError for what is no array of numbers; UsageError for a wrong shape, numbers that are masked or not finite
+(with their row), rows that are one row repeated, and more memory than the machine or the array has.
 
 All arrays that a cloud gives are read-only views of its own buffers; they keep it alive.)");
   cloud

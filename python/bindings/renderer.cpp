@@ -14,6 +14,7 @@
 
 #include "base/error.h"
 #include "haptics/replay/around_trace.h"
+#include "haptics/replay/unrolled_trace.h"
 #include "haptics/window/objects.h"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/running.hpp"
@@ -26,7 +27,8 @@ namespace {
 
 using Trace = haptics::TraceResult;
 
-constexpr py::ssize_t kMostNodes = 32768;  // of heights in one direction
+constexpr py::ssize_t kMostNodes = 32768;                 // of heights in one direction
+constexpr std::size_t kLookEvery = std::size_t{1} << 20;  // rows of a path between two looks for Ctrl-C
 
 /// Which of `names` a word is. Throws Error{usage}.
 std::size_t choice(const std::string& key, const std::string& word, const std::vector<std::string>& names) {
@@ -93,6 +95,17 @@ std::unique_ptr<Renderer> make_renderer(const py::object& given, std::optional<i
     renderer->object = haptics::whole_object(description, {texture, friction});
     return renderer;
   }
+  if (scans && description.config.unroll) {
+    if (level || part.centre_m) {
+      throw usage_error("a window (level, centre) has no scan frame on an unrolled object", "frame='grid' with it");
+    }
+    haptics::SurfaceOptions options;
+    options.effects.texture = texture;
+    options.effects.friction = friction;
+    options.tip_radius_m = part.tip_radius_m;
+    renderer->unrolled = options;
+    return renderer;
+  }
   const py::gil_scoped_release release;
   renderer->surface = haptics::traced_surface(*renderer->scene->scene, part);
   return renderer;
@@ -106,7 +119,7 @@ std::unique_ptr<Renderer> renderer_of_heights(const py::object& given, double sp
   const py::array array = py::array::ensure(given);
   if (!array) throw py::type_error("heights cannot be made an array; expected an array of real numbers");
   const Floats heights = float_rows_of(
-      array, "heights", array.ndim() == 2 ? static_cast<int>(std::min(array.shape(1), kMostNodes)) : 2, Numbers::any);
+      given, "heights", array.ndim() == 2 ? static_cast<int>(std::min(array.shape(1), kMostNodes)) : 2, Numbers::any);
   if (heights.shape(0) < 2 || heights.shape(1) < 2 || heights.shape(0) > kMostNodes) {
     throw usage_error(fmt::format("heights has the shape ({}, {})", heights.shape(0), heights.shape(1)),
                       fmt::format("2 to {} nodes in both directions", kMostNodes));
@@ -151,24 +164,35 @@ std::vector<haptics::HipSample> samples_of(const py::object& path, const py::obj
   }
   std::vector<haptics::HipSample> samples(static_cast<std::size_t>(rows.shape(0)));
   for (std::size_t n = 0; n < samples.size(); ++n) {
+    if (n % kLookEvery == 0 && PyErr_CheckSignals() != 0) throw py::error_already_set();
     samples[n].t_s = times ? times->data()[n] : static_cast<double>(n) / rate_hz;
     samples[n].position_m = Eigen::Map<const Eigen::Vector3d>(rows.data() + 3 * n);
   }
   return samples;
 }
 
-std::shared_ptr<Trace> trace(const Renderer& renderer, const py::object& path, const py::object& time, double rate_hz) {
-  std::vector<haptics::HipSample> samples = samples_of(path, time, rate_hz);
-  const py::gil_scoped_release release;
+/// What `renderer` is made of does not change, so that it may be read without the interpreter's lock.
+Trace traced(const Renderer& renderer, std::vector<haptics::HipSample>& samples, Progress& progress) {
+  progress.begin("trace");
+  const scene::HapticsConfig& config = renderer.haptics;
+  const haptics::SolverOptions& options = renderer.options;
+  if (!renderer.scene) return haptics::trace(*renderer.surface, samples, config, options, &progress);
+  const scene::Scene& scene = *renderer.scene->scene;
+  const scene::SceneDescription& description = scene.description();
+  if (renderer.unrolled) {
+    return haptics::trace_unrolled(scene, samples, *renderer.unrolled, config, options, &progress);
+  }
   if (renderer.object) {
-    const Eigen::Matrix4d& scan_from_grid = renderer.scene->scene->description().scan_from_grid;
-    return std::make_shared<Trace>(
-        haptics::trace_around(*renderer.object, samples, scan_from_grid, renderer.haptics, renderer.options));
+    return haptics::trace_around(*renderer.object, samples, description.scan_from_grid, config, options, &progress);
   }
-  if (renderer.scene) {
-    haptics::to_grid_frame(samples, renderer.frame, renderer.scene->scene->description(), *renderer.surface);
-  }
-  return std::make_shared<Trace>(haptics::trace(*renderer.surface, samples, renderer.haptics, renderer.options));
+  haptics::to_grid_frame(samples, renderer.frame, description, *renderer.surface);
+  return haptics::trace(*renderer.surface, samples, config, options, &progress);
+}
+
+std::shared_ptr<Trace> trace(const Renderer& renderer, const py::object& path, const py::object& time, double rate_hz,
+                             const py::object& progress) {
+  std::vector<haptics::HipSample> samples = samples_of(path, time, rate_hz);
+  return std::make_shared<Trace>(run(progress, [&](Progress& told) { return traced(renderer, samples, told); }));
 }
 
 constexpr auto kRow = static_cast<py::ssize_t>(sizeof(haptics::TraceRow));
@@ -212,7 +236,8 @@ void bind_trace(py::module_& module) {
   py::class_<Trace, std::shared_ptr<Trace>> trace(module, "Trace",
                                                   R"(What a path of the hand was rendered to, row by row.
 
-Arrays are read-only views. Places are metres in the grid frame, of a whole object in the scan frame; forces newtons.)");
+Arrays are read-only views. Places are metres in the grid frame, of a whole or an unrolled object that is touched in the
+frame of its scans in that; forces newtons.)");
   const auto vector_column = [&](const char* name, Eigen::Vector3d Row::*member, const char* text) {
     trace.def_property_readonly(
         name, [member](const py::object& self) { return vectors(self, member); }, text);
@@ -253,9 +278,10 @@ Renderer(scene, *, level=None, centre=None, texture=True, friction=True, tip_rad
 
 level, centre: a window of that level around (x, y), metres of the grid frame; neither: all of level 0 at its own size.
 texture, friction: False leaves them out. tip_radius_mm: of the ball that touches, 0 to 2. frame: of places of the
-hand, "grid", "scan" or "device". solver: "exact", "paper" or None, the scene's. creases: "sharp" or "rounded".
-stiffness: N/m of the device, None: the scene's. around: touch the whole object (frame="scan"); None: where there is
-one. Without governor, effects and the limits of a device: the force is stiffness times the way from hand to proxy.
+hand, "grid", "scan" or "device"; an unrolled object in "scan" is traced along whole paths, without step().
+solver: "exact", "paper" or None, the scene's. creases: "sharp" or "rounded". stiffness: N/m of the device, None: the
+scene's. around: touch the whole object (frame="scan"); None: where there is one. Without governor, effects and the
+limits of a device: the force is stiffness times the way from hand to proxy.
 
 Raises UsageError. A Renderer is for one thread at a time; several of them share a scene.)");
   renderer
@@ -264,17 +290,19 @@ Raises UsageError. A Renderer is for one thread at a time; several of them share
            py::arg("tip_radius_mm") = 0.0, py::arg("frame") = "grid", py::arg("solver") = py::none(),
            py::arg("creases") = "sharp", py::arg("stiffness") = py::none(), py::arg("around") = py::none())
       .def("trace", &trace, py::arg("path"), py::kw_only(), py::arg("time") = py::none(), py::arg("rate") = 1000.0,
+           py::arg("progress") = py::none(),
            R"(Renders a whole path from its beginning, as `sparsha trace` does; step() goes on where it was.
 
-path: (n, 3) metres; rows that are not numbers are rendered as they stand. time: (n,) seconds; None: n / rate, hertz.
-Returns a Trace. The interpreter's lock is released. Raises TypeError, UsageError.)")
+path: (n, 3) metres; rows that are masked or not numbers are rendered as no number. time: (n,) seconds; None: n / rate, hertz.
+progress: called with ("trace", fraction). Returns a Trace. The interpreter's lock is released. Raises TypeError,
+UsageError; KeyboardInterrupt on Ctrl-C, within some milliseconds.)")
       .def_static("of_heights", &renderer_of_heights, py::arg("heights"), py::arg("spacing"), py::kw_only(),
                   py::arg("origin") = py::none(), py::arg("mu_dynamic") = 0.0, py::arg("mu_static") = py::none(),
                   py::arg("stiffness") = 800.0, py::arg("surface") = "bilinear", py::arg("creases") = "sharp",
                   py::arg("solver") = "exact",
                   R"(A Renderer of one's own heights, without a scene; they are touched as they are given.
 
-heights: (ny, nx) metres above origin[2], row 0 at the smallest y, NaN where unknown; kept in single precision.
+heights: (ny, nx) metres above origin[2], row 0 at the smallest y, NaN or masked where unknown; kept in single precision.
 spacing: of the nodes, metres. origin: (3,) metres, None: zero. mu_dynamic, mu_static: of all nodes. stiffness: N/m.
 surface: "bilinear" or "c1", bicubic patches through the nodes. Raises TypeError, UsageError.)")
       .def("reset", &Renderer::reset, "The next step() starts the proxy anew.")

@@ -4,12 +4,14 @@
 #include <pybind11/pybind11.h>
 
 #include <memory>
+#include <optional>
 
 #include <Eigen/Core>
 
 #include "haptics/around/around_proxy.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/replay/traced_surface.h"
+#include "haptics/window/surface.h"
 #include "python/bindings/scene.hpp"
 #include "scene/config/haptics.h"
 
@@ -21,6 +23,9 @@ struct Renderer {
   BuiltPointer scene;
   std::shared_ptr<const haptics::MongeSurface> surface;  ///< of one view, or null
   std::shared_ptr<const haptics::ObjectSurface> object;  ///< of a whole object, or null
+  /// Of an unrolled object in the frame of its scans: a path decides which surface it is traced on, so that there is
+  /// none.
+  std::optional<haptics::SurfaceOptions> unrolled;
   scene::HapticsConfig haptics;
   haptics::SolverOptions options;
   haptics::HipFrame frame = haptics::HipFrame::grid;
@@ -35,6 +40,7 @@ struct Renderer {
     Eigen::Vector3d proxy_m;
     Eigen::Vector3d force_n;
   };
+  /// Not of an unrolled object in the frame of its scans.
   [[nodiscard]] Tick step(const Eigen::Vector3d& hip_m) noexcept;
   void reset() noexcept;
 

@@ -1,5 +1,7 @@
 #include "python/bindings/running.hpp"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <condition_variable>
 #include <exception>
@@ -33,6 +35,7 @@ class Inbox {
       warnings_.emplace_back(update.text);
       return;
     }
+    fraction_ = update.fraction;
     if (update.kind == ProgressUpdate::Kind::stage) {
       stage_ = update.text;
       messages_.push_back({stage_, 0.0});
@@ -52,6 +55,11 @@ class Inbox {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, kLook, [&] { return ended_; });
   }
+  /// How far the work has come.
+  Message latest() {
+    const std::lock_guard lock(mutex_);
+    return {stage_, fraction_};
+  }
   void hand_over(std::vector<Message>& messages, std::vector<std::string>& warnings) {
     const std::lock_guard lock(mutex_);
     messages.swap(messages_);
@@ -63,6 +71,7 @@ class Inbox {
   std::condition_variable changed_;
   bool ended_ = false;
   std::string stage_;
+  double fraction_ = 0.0;
   std::vector<Message> messages_;
   std::vector<std::string> warnings_;
 };
@@ -80,6 +89,31 @@ void hand_on(Inbox& inbox, const py::object& listener) {
   const py::object category = py::module_::import("sparsha._errors").attr("Warning");
   for (const std::string& warning : warnings) {
     if (PyErr_WarnEx(category.ptr(), warning.c_str(), 1) != 0) throw py::error_already_set();
+  }
+}
+
+bool is_cancelled(const std::exception_ptr& thrown) {
+  if (!thrown) return false;
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const Cancelled&) {
+    return true;
+  } catch (...) {
+    return false;
+  }
+}
+
+/// Raises what Python raised, with a note of where the work was that it ended.
+[[noreturn]] void raise_with_note(const std::exception_ptr& raised, const Inbox::Message& ended) {
+  try {
+    std::rethrow_exception(raised);
+  } catch (py::error_already_set& error) {
+    const py::object& value = error.value();
+    if (py::hasattr(value, "add_note")) {  // since Python 3.11
+      value.attr("add_note")(
+          fmt::format("sparsha ended its work at {:.0f} % of the stage '{}'", 100.0 * ended.fraction, ended.stage));
+    }
+    throw;
   }
 }
 
@@ -132,6 +166,7 @@ void run_without_lock(const py::object& listener, const std::function<void(Progr
       }
     }
   }
+  if (raised && is_cancelled(thrown)) raise_with_note(raised, inbox.latest());
   if (raised) std::rethrow_exception(raised);
   if (thrown) std::rethrow_exception(thrown);
 }

@@ -15,7 +15,8 @@ namespace sparsha::python {
 
 /// Runs `work`. `listener`: None, or what is called with (stage: str, fraction: float), on the caller's thread.
 /// Warnings become Python's (sparsha.Warning). Whatever Python raises meanwhile, KeyboardInterrupt too, cancels the
-/// work and is raised once that has ended. To be called with the interpreter's lock.
+/// work and is raised once that has ended, with a note (PEP 678) of where the work was when it was cancelled; without
+/// one the work had come to its end by itself. To be called with the interpreter's lock.
 void run_without_lock(const pybind11::object& listener, const std::function<void(Progress&)>& work);
 
 /// The same with a result, which must not hold objects of Python.

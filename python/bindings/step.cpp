@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "base/error.h"
 #include "python/bindings/arrays.hpp"
 #include "python/bindings/renderer.hpp"
 #include "python/bindings/running.hpp"
@@ -109,6 +110,13 @@ bool read_slowly(PyObject* given, Eigen::Vector3d& vector) {
   return false;
 }
 
+PyObject* refuse_unrolled() {
+  raise(std::make_exception_ptr(
+      usage_error("single steps are not there for an unrolled object in the frame of its scans",
+                  "trace(path) of a whole path, or frame='grid': the unrolled surface itself")));
+  return nullptr;
+}
+
 PyObject* step(PyObject* self, PyObject* const* arguments, Py_ssize_t count) {
   if (count != 1) {
     PyErr_Format(PyExc_TypeError, "step() takes one place of the hand, (3,); %zd arguments are given", count);
@@ -120,6 +128,7 @@ PyObject* step(PyObject* self, PyObject* const* arguments, Py_ssize_t count) {
     PyErr_SetString(PyExc_TypeError, "the Renderer was never made: its __init__ was not called");
     return nullptr;
   }
+  if (renderer->unrolled) return refuse_unrolled();
   Eigen::Vector3d hip_m;
   if (!read_array(arguments[0], hip_m) && !read_numbers(arguments[0], hip_m) && !read_slowly(arguments[0], hip_m)) {
     return nullptr;
@@ -145,7 +154,7 @@ PyMethodDef step_method{"step", reinterpret_cast<PyCFunction>(reinterpret_cast<v
 One tick: a place of the hand to (proxy, force), two arrays (3,) float64.
 
 hip: (3,) metres, in the frame that the Renderer was made for; a hand that is not a number is rendered as `trace` does.
-proxy: metres, grid frame (scan frame for a whole object). force: newtons, zero where the hand is free. The first tick
+proxy: metres, grid frame (scan frame of a whole object). force: newtons, zero where the hand is free. The first tick
 starts the proxy above or at the hand; each goes on from the one before. Raises TypeError, UsageError.)"};
 
 }  // namespace

@@ -7,12 +7,11 @@
 
 Lengths are metres, forces newtons, times seconds, unless a name says otherwise.
 """
-try:
+from ._interpreter import explaining as _explaining
+
+with _explaining():
     from ._core import (Cloud, Renderer, Scene, Trace, __version__, bench_export, bench_judge, build, export,  # noqa: A004
                         monitor, open, read, register, simulate)
-except ImportError as error:
-    from ._interpreter import explained
-    raise explained(error) from None
 from ._errors import DeviceError, Error, Failure, InputError, UsageError, Warning  # noqa: A004
 
 __all__ = [

@@ -1,7 +1,8 @@
-"""python3 -m sparsha [FOLDER]: the open benchmark of forces, rendered by NumPy alone and by the core, and judged.
+"""python3 -m sparsha [FOLDER]: a second opinion, by NumPy alone, on the forces of the open benchmark or of a scene.
 
-FOLDER is what `sparsha bench export` wrote; without it the benchmark is exported to a folder that goes afterwards.
-Exit code 0 when the forces of NumPy pass everywhere, 1 when not, 2 for wrong arguments, 3 for files that cannot be read."""
+FOLDER is what `sparsha bench export` wrote; without it the benchmark is exported to a folder that goes afterwards. Its cases
+are rendered by NumPy and by the core, and judged. Of a scene's folder the core's proxies are judged by NumPy.
+Exit code 0 when all passes, 1 when not, 2 for wrong arguments, 3 for files that cannot be read."""
 import argparse
 import pathlib
 import sys
@@ -9,7 +10,8 @@ import tempfile
 
 import numpy as np
 
-from . import Error, Renderer, bench_export, bench_judge, opinion
+from . import Error, Renderer, bench_export, bench_judge, on_scene, opinion
+from . import open as open_scene
 
 
 def core_forces(folder, case, surfaces):
@@ -50,13 +52,35 @@ def compare(folder, work):
     return rows
 
 
+def scene_passes(folder, work):
+    """Judges the core's proxies on a scene and prints what was found; whether all of them pass."""
+    scene = open_scene(folder)
+    print(scene)
+    view = on_scene.judge_view(scene)
+    print(f"{'view':16} {'pass' if view['pass'] else 'no':5} {view['touching']} of {view['hands']} hands touch, {100 * view['at_rest']:.2f} % of "
+          f"their proxies are at rest, {view['off_surface']:.1e} spacings from the surface at most")
+    if not scene.sheets and "unroll:" not in scene.config:
+        return view["pass"]
+    scan = on_scene.judge_scan_frame(scene, work)
+    print(f"{'frame of scans':16} {'pass' if scan['pass'] else 'no':5} {scan['touching']} of {scan['hands']} hands touch, {scan['farthest']:.2f} "
+          "spacings from their proxies to exported nodes at most")
+    return view["pass"] and scan["pass"]
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python3 -m sparsha", description=__doc__.split("\n")[0])
-    parser.add_argument("folder", nargs="?", help="of `sparsha bench export`; default: a new one that goes afterwards")
+    parser.add_argument("folder", nargs="?", type=pathlib.Path,
+                        help="of `sparsha bench export` (default: a new one that goes afterwards), or a scene")
     parser.add_argument("--out", help="the forces of NumPy as a results.csv for `sparsha bench judge`; nothing else is done")
     options = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory() as work:
         folder = options.folder
+        if folder and (folder / "scene.yaml").exists():
+            if options.out:
+                parser.error("--out is of the benchmark; a scene has no results.csv")
+            return 0 if scene_passes(folder, work) else 1
+        if folder and not (folder / "cases.csv").exists():
+            raise ValueError(f"{folder}: neither cases.csv nor scene.yaml is there; expected what `sparsha bench export` or `sparsha build` wrote")
         if folder is None:
             folder = pathlib.Path(work) / "bench"
             bench_export(folder)
@@ -72,9 +96,14 @@ def main(arguments=None):
     return 0 if all(by_numpy["pass"] for by_numpy, _, _ in rows) else 1
 
 
-if __name__ == "__main__":
+def run():
+    """main(), and in place of a traceback a sentence of what cannot be read."""
     try:
-        sys.exit(main())
+        return main()
     except (Error, OSError, ValueError) as error:
         print(error, file=sys.stderr)
-        sys.exit(3)
+        return 3
+
+
+if __name__ == "__main__":
+    sys.exit(run())

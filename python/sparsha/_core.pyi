@@ -1,7 +1,7 @@
 """Types of the module that is compiled; its docstrings say units, shapes and errors. A test holds both together."""
 import os
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -15,7 +15,9 @@ _Float32 = npt.NDArray[np.float32]
 _Float64 = npt.NDArray[np.float64]
 _UInt8 = npt.NDArray[np.uint8]
 
-class Cloud:
+class _Bound(type): ...  # pybind11's own kind of classes
+
+class Cloud(metaclass=_Bound):
     def __init__(self, points: npt.ArrayLike, *, origin: npt.ArrayLike | None = None, colour: npt.ArrayLike | None = None,
                  intensity: npt.ArrayLike | None = None, normals: npt.ArrayLike | None = None,
                  faces: npt.ArrayLike | None = None, fields: dict[str, npt.ArrayLike] = ...) -> None: ...
@@ -39,7 +41,8 @@ class Cloud:
     def filtered(self, filters: list[dict[str, Any]], *, spacing_mm: float = ..., threads: int = ...,
                  progress: _Progress = ...) -> tuple[Cloud, list[dict[str, Any]]]: ...
 
-class Scene:
+class Scene(metaclass=_Bound):
+    def __init__(self, *args: Any, **kwargs: Any) -> NoReturn: ...  # by build() and open()
     @property
     def levels(self) -> int: ...
     def shape(self, level: int = ...) -> tuple[int, int]: ...
@@ -70,7 +73,7 @@ class Scene:
               trust: bool = ..., progress: _Progress = ...) -> dict[str, Any]: ...
     def save(self, folder: _Path, *, progress: _Progress = ...) -> None: ...
 
-class Renderer:
+class Renderer(metaclass=_Bound):
     def __init__(self, scene: Scene, *, level: int | None = ..., centre: npt.ArrayLike | None = ..., texture: bool = ...,
                  friction: bool = ..., tip_radius_mm: float = ..., frame: str = ..., solver: str | None = ...,
                  creases: str = ..., stiffness: float | None = ..., around: bool | None = ...) -> None: ...
@@ -79,14 +82,16 @@ class Renderer:
                    mu_static: float | None = ..., stiffness: float = ..., surface: str = ..., creases: str = ...,
                    solver: str = ...) -> Renderer: ...
     def step(self, hip: npt.ArrayLike, /) -> tuple[_Float64, _Float64]: ...
-    def trace(self, path: npt.ArrayLike, *, time: npt.ArrayLike | None = ..., rate: float = ...) -> Trace: ...
+    def trace(self, path: npt.ArrayLike, *, time: npt.ArrayLike | None = ..., rate: float = ...,
+              progress: _Progress = ...) -> Trace: ...
     def reset(self) -> None: ...
     @property
     def contact(self) -> bool: ...
     @property
     def scale(self) -> float: ...
 
-class Trace:
+class Trace(metaclass=_Bound):
+    def __init__(self, *args: Any, **kwargs: Any) -> NoReturn: ...  # by Renderer.trace()
     def __len__(self) -> int: ...
     @property
     def hip(self) -> _Float64: ...

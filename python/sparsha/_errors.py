@@ -50,5 +50,10 @@ _OF_KIND = {1: Failure, 2: UsageError, 3: InputError, 4: DeviceError}
 
 def of_core(kind, message, file, line, column, wrong, expected):
     """The exception for an error of the core; called by the module _core."""
-    message = message.removeprefix("error: ")
+    message, file, expected = (_without_options(text) for text in (message.removeprefix("error: "), file, expected))
     return _OF_KIND.get(kind, Failure)(message, file or None, line or None, column or None, wrong, expected)
+
+
+def _without_options(text):
+    """Keys and devices by their names alone, where the program names the options that they are given by."""
+    return text.replace("--set ", "").replace("--device ", "")

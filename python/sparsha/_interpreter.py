@@ -1,8 +1,18 @@
 """Why the module cannot be imported by this Python, in one sentence."""
+import contextlib
 import importlib.util
 import pathlib
 import re
 import sys
+
+
+@contextlib.contextmanager
+def explaining():
+    """Around the import of the module."""
+    try:
+        yield
+    except ImportError as error:
+        raise explained(error) from None
 
 
 def explained(error):

@@ -2,12 +2,16 @@
 import json
 import os
 
+import numpy as np
+
 _MOST = 100000  # numbers of an array; a configuration is at most 1 MB of text
 
 
 def _plain(value):
     if isinstance(value, os.PathLike):
         return os.fspath(value)
+    if np.ma.is_masked(value):
+        raise TypeError(f"a configuration cannot hold masked numbers: {value!r}")
     if hasattr(value, "tolist") and getattr(value, "size", 0) <= _MOST:  # arrays and numbers of NumPy
         plain = value.tolist()
         if isinstance(plain, (bool, int, float, str, list)):

@@ -33,6 +33,14 @@ class Importing(unittest.TestCase):
     def test_a_missing_module_stays_a_missing_module(self):
         self.assertIn("_core", self.told())
 
+    def test_a_numpy_that_the_module_would_misread_is_refused(self):
+        for module in PACKAGE.glob("*.so"):
+            (self.folder / "sparsha" / module.name).symlink_to(module)
+        code = "import numpy; numpy.__version__ = '2.1.0'; import sparsha"
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env={"PYTHONPATH": str(self.folder)})
+        if done.returncode != 0:  # else it was built by a pybind11 that knows NumPy 2
+            self.assertRegex(done.stderr.strip().split("\n")[-1], r"^ImportError: .*NumPy is 2\.1\.0; use numpy<2")
+
     def test_missing_numpy_is_named_with_its_package(self):
         for module in PACKAGE.glob("*.so"):
             (self.folder / "sparsha" / module.name).symlink_to(module)

@@ -95,6 +95,10 @@ class Reading(WithFolder):
             sparsha.build(self.folder / "c.yaml")
         self.assertEqual((key.exception.line, key.exception.column), (3, 3))
         self.assertIn("size", str(key.exception))
+        with self.assertRaises(sparsha.UsageError) as keyword:
+            sparsha.build(sparsha.Cloud(wave_points(20, 20)), config={}, grid={"siz": 3})
+        self.assertEqual(keyword.exception.file, "grid.siz")
+        self.assertNotIn("--", str(keyword.exception))
         for wrong in (3, None, [1], object()):
             with self.assertRaises(TypeError):
                 sparsha.read(wrong)

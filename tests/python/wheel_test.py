@@ -5,6 +5,7 @@ import hashlib
 import io
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -17,7 +18,30 @@ sys.path.insert(0, str(SOURCE / "python/wheel"))
 import sparsha_wheel  # noqa: E402
 
 
+ELF = b"\x7fELF"
+
+
 class Wheel(unittest.TestCase):
+    def assert_needed_alone(self, archive):
+        """The package's own files, and nothing that names the build folder."""
+        info = next(name for name in archive.namelist() if name.endswith("/METADATA")).rpartition("/")[0]
+        expected = {f"sparsha/{f.name}" for f in (SOURCE / "python/sparsha").iterdir() if f.is_file()}
+        expected |= {f"{info}/{name}" for name in ("METADATA", "WHEEL", "RECORD", "LICENSE", "copyright")}
+        libraries = set(archive.namelist()) - expected
+        self.assertEqual(expected - set(archive.namelist()), set())
+        self.assertTrue(all(re.fullmatch(r"sparsha/(_core\.[\w-]+|libsparsha_opencv_images)\.so", name) for name in libraries), libraries)
+        for name in archive.namelist():
+            data = archive.read(name)
+            for folder in {str(BUILD), str(SOURCE)}:
+                self.assertNotIn(folder.encode(), data, name)
+            self.assertEqual(data.startswith(ELF), name in libraries)
+        with tempfile.TemporaryDirectory() as folder:
+            for name in libraries:
+                told = subprocess.run(["readelf", "-Wd", archive.extract(name, folder)], check=True, capture_output=True, text=True).stdout
+                paths = re.findall(r"\((?:RUNPATH|RPATH)\).*\[(.*)\]", told)
+                self.assertLessEqual(set(paths), {"$ORIGIN"}, name)
+                self.assertTrue(paths or "_core" not in name)
+
     def test_a_wheel_of_the_installed_component_is_whole_and_runs_where_it_is_unpacked(self):
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
@@ -31,6 +55,7 @@ class Wheel(unittest.TestCase):
             self.assertEqual(wheel.read_bytes(), first)
             with zipfile.ZipFile(wheel) as archive:
                 names = archive.namelist()
+                self.assert_needed_alone(archive)
                 record = next(n for n in names if n.endswith("/RECORD"))
                 rows = list(csv.reader(io.StringIO(archive.read(record).decode())))
                 self.assertEqual([row[0] for row in rows], names)
