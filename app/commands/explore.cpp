@@ -109,6 +109,7 @@ void add_explore(Command app, const CommonOptions& common, Run& run) {
       .check(one_of(Phrases::languages()));
   command.add_flag("--kiosk", arguments->kiosk, "full screen, for exhibitions");
   command.add_option("--scenes", arguments->scenes, "with --kiosk: a folder of scenes that visitors choose from");
+  command.add_option("--memory", arguments->memory, "for the points of scans that are looked at, e.g. 2GB");
   command.add_flag("--direct", arguments->direct, "build scans at once, without turning the object first");
   command.add_option("--study", arguments->study, "append the session and the visitor's rating to NAME.csv");
   command.callback(

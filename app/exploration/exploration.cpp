@@ -35,6 +35,13 @@ haptics::DeviceRequest device_request(const ExploreArguments& arguments, const T
   return request;
 }
 
+std::uint64_t points_in_memory(const std::string& memory) {
+  constexpr std::uint64_t kLeast = 10'000;  // that show what an object is
+  const std::uint64_t points = parse_bytes(memory) / kBytesPerPointShown;
+  if (points < kLeast) throw usage_error("--memory " + memory + " is too little to show a scan", "1MB or more");
+  return points;
+}
+
 // Every output that was asked for is written as far as possible: one that fails keeps no other from it.
 class Deliveries {
  public:
@@ -86,6 +93,7 @@ Exploration::Exploration(const ExploreArguments& arguments, const CommonOptions&
       trust_(common.trusted()),
       exhibits_(arguments.scenes.empty() ? Exhibits() : Exhibits(arguments.scenes, common.trusted(), terminal)),
       chosen_(choose_device(arguments.device, device_request(arguments, terminal, window))) {
+  if (!arguments.memory.empty()) scans_.set_most_points(points_in_memory(arguments.memory));
   if (starts_with_scans(arguments, window)) {
     scans_.show(std::make_unique<DepthScans>(std::vector<fs::path>(arguments.scene.begin(), arguments.scene.end())));
     if (const std::string why = scans_.shown().unavailable(); !why.empty())

@@ -25,6 +25,7 @@ struct ExploreArguments {
   bool direct = false;
   std::string study;
   std::string firmware;
+  std::string memory;  ///< for the points of raw scans; empty: kMostPointsShown
 };
 
 }  // namespace sparsha::app

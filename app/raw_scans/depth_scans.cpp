@@ -13,7 +13,6 @@
 
 #include <Eigen/LU>
 
-#include "app/raw_scans/point_reader.h"
 #include "base/error.h"
 #include "base/files/files.h"
 #include "base/text/text.h"
@@ -127,6 +126,7 @@ DepthScans::DepthScans(scene::ScenePointer scene, fs::path file, scene::Trust tr
 DepthScans::~DepthScans() {
   cancel();
   if (work_.valid()) work_.wait();
+  refinement_.reset();  // it says what it cannot read
 }
 
 std::string DepthScans::unavailable() const {
@@ -185,7 +185,17 @@ void DepthScans::cancel() {
 
 viewer::OrientingStatus DepthScans::status() const {
   const std::lock_guard lock(mutex_);
-  return status_;
+  viewer::OrientingStatus status = status_;
+  if (refinement_) {
+    status.detail = refinement_->detail();
+    status.refining = refinement_->busy();
+  }
+  return status;
+}
+
+void DepthScans::look(const viewer::SplatView& view, const viewer::ScanSetup& setup) {
+  const std::lock_guard lock(mutex_);
+  if (refinement_) refinement_->look({view, setup.crop});
 }
 
 scene::ScenePointer DepthScans::take_scene() {
@@ -204,10 +214,18 @@ void DepthScans::read(Progress& progress) {
     const std::lock_guard lock(mutex_);
     scans = config_.scans;
   }
-  ReadPoints points = read_points(scans, title_, progress);
+  ReadPoints points = read_points(scans, title_, progress, most_points_);
   const std::shared_ptr<const viewer::PointView> view = points.view;
+  std::unique_ptr<Refinement> refinement;  // the one before ends without the lock, which it may wait for
+  if (!points.coarse.empty()) {
+    const std::uint64_t shown = view->points.size();
+    refinement =
+        std::make_unique<Refinement>(std::move(points.coarse), view, most_points_ - std::min(most_points_, shown),
+                                     [this](const std::string& problem) { note(problem, true); });
+  }
   {
     const std::lock_guard lock(mutex_);
+    refinement_.swap(refinement);
     status_.points = std::move(points.view);
     status_.scattered = 0;
     stations_ = std::move(points.stations);
@@ -369,6 +387,9 @@ viewer::Orienting orienting_of(const std::function<DepthScans&()>& scans) {
   orienting.unavailable = [scans] { return scans().unavailable(); };
   orienting.open = [scans] { scans().open(); };
   orienting.status = [scans] { return scans().status(); };
+  orienting.look = [scans](const viewer::SplatView& view, const viewer::ScanSetup& setup) {
+    scans().look(view, setup);
+  };
   orienting.find_face = [scans](auto face, const viewer::ScanSetup& setup) { scans().find_face(face, setup); };
   orienting.set_unit = [scans](scene::LengthUnit unit) { scans().set_unit(unit); };
   orienting.scan = [scans](const viewer::ScanSetup& setup) { scans().scan(setup); };

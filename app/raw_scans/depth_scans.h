@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "app/raw_scans/point_reader.h"
 #include "base/threads/progress.h"
 #include "pipeline/build/build.h"
 #include "pipeline/scan/cloud.h"
@@ -34,7 +35,11 @@ class DepthScans {
 
   /// Empty, or why the scans cannot be looked at; looks at the files.
   [[nodiscard]] std::string unavailable() const;
+  /// Before open(): so many points are shown; see kMostPointsShown.
+  void set_most_points(std::uint64_t most) { most_points_ = most; }
   void open();
+  /// What the picture shows now: its points of COPC files are read, as Refinement does.
+  void look(const viewer::SplatView& view, const viewer::ScanSetup& setup);
   void find_face(scene::OrientationConfig::Face face, const viewer::ScanSetup& setup);
   void set_unit(scene::LengthUnit unit);
   void scan(const viewer::ScanSetup& setup);
@@ -76,6 +81,7 @@ class DepthScans {
   bool guessed_ = false;
   Eigen::Matrix4d base_to_grid_ = Eigen::Matrix4d::Identity();  ///< the orientation that the configuration means
   std::string title_;
+  std::uint64_t most_points_ = kMostPointsShown;
   mutable std::mutex mutex_;  ///< of all below
   scene::Config config_;
   std::optional<Eigen::Matrix4d> parts_to_grid_;  ///< the frame of config_.parts once they were edited
@@ -83,6 +89,7 @@ class DepthScans {
   std::string yaml_;                              ///< its text, or empty
   std::filesystem::path file_;                    ///< where it is saved; empty: to be chosen
   viewer::OrientingStatus status_;
+  std::unique_ptr<Refinement> refinement_;  ///< of status_.points; null: all of them are there
   std::vector<pipeline::Station> stations_;
   std::vector<std::string> warnings_;
   scene::ScenePointer scene_;

@@ -7,6 +7,7 @@ namespace sparsha::app {
 void OpenScans::show(std::unique_ptr<DepthScans> scans) {
   before_.reset();
   shown_ = std::move(scans);
+  shown_->set_most_points(most_points_);
 }
 
 void OpenScans::touch() {
@@ -16,6 +17,7 @@ void OpenScans::touch() {
 
 void OpenScans::touch(std::unique_ptr<DepthScans> scans) {
   before_ = std::exchange(shown_, std::move(scans));
+  shown_->set_most_points(most_points_);
   touched_before_ = std::exchange(touched_, shown_->status().work);
   rounds_ = 0;
 }

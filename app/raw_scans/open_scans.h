@@ -15,6 +15,8 @@ class OpenScans {
   [[nodiscard]] DepthScans& shown() const { return *shown_; }
   [[nodiscard]] bool touched() const { return shown_->status().work == touched_; }
 
+  /// Of all scans from now on: so many points are shown.
+  void set_most_points(std::uint64_t most) { most_points_ = most; }
   /// Other scans to look at; the touched scene stays.
   void show(std::unique_ptr<DepthScans> scans);
   /// The touched scene is now one of the shown scans.
@@ -30,7 +32,8 @@ class OpenScans {
  private:
   std::unique_ptr<DepthScans> shown_, before_;
   std::uint64_t touched_ = 0, touched_before_ = 0;  ///< DepthScans::status().work
-  int rounds_ = 0;                                  ///< since `before_` was left
+  std::uint64_t most_points_ = kMostPointsShown;
+  int rounds_ = 0;  ///< since `before_` was left
 };
 
 }  // namespace sparsha::app

@@ -73,6 +73,8 @@ class Collector {
     }
   }
 
+  [[nodiscard]] bool thins_out() const { return share_ < 1.0; }
+
  private:
   bool chosen() {
     const std::uint64_t h = hash_word(number_++);
@@ -112,7 +114,7 @@ void set_unit(viewer::PointView& view, const std::vector<scene::ScanConfig>& sca
 }  // namespace
 
 ReadPoints read_points(const std::vector<scene::ScanConfig>& scans, const std::string& title, Progress& progress,
-                       std::uint64_t at_most) {
+                       std::uint64_t at_most, std::uint64_t coarse) {
   ReadPoints result;
   auto view = std::make_shared<viewer::PointView>();
   view->title = title;
@@ -120,11 +122,18 @@ ReadPoints read_points(const std::vector<scene::ScanConfig>& scans, const std::s
   progress.begin("Reading the scans");
   std::vector<std::unique_ptr<ScanSet>> sets;
   std::uint64_t meshes = 0, unread = 0;
+  coarse = std::min(coarse, at_most) / std::max<std::size_t>(scans.size(), 1);
   for (const scene::ScanConfig& scan : scans) {
     try {
+      std::unique_ptr<pipeline::OctreeScan> octree = pipeline::OctreeScan::open(scan, progress);
       sets.push_back(std::make_unique<ScanSet>(std::vector{scan}, ScanSet::Keep::disk, false, progress,
                                                std::vector<std::string>{}, pipeline::MeshRefusal{},
-                                               pipeline::ScanPart{{}, at_most}));
+                                               pipeline::ScanPart{{}, octree ? coarse : at_most}));
+      if (octree && sets.back()->unread() > 0) {
+        const int level = octree->level_of_points(coarse);
+        const auto station = static_cast<std::uint8_t>(std::min<std::size_t>(sets.size() - 1, 255));
+        result.coarse.push_back({std::move(octree), level, station});
+      }
     } catch (const pipeline::EmptyScan& empty) {
       if (scans.size() == 1) throw;
       progress.warn(pipeline::left_out_warning(empty));
@@ -139,6 +148,8 @@ ReadPoints read_points(const std::vector<scene::ScanConfig>& scans, const std::s
     progress.at(0.3 * static_cast<double>(sets.size()) / static_cast<double>(scans.size()));
   }
   Collector collector(*view, view->total + meshes * kMeshPoints, at_most);
+  // What was thinned out here is in no deeper level.
+  if (collector.thins_out()) result.coarse.clear();
   view->total += unread;
   for (std::size_t s = 0; s < sets.size(); ++s) {
     if (!sets[s]) continue;

@@ -399,10 +399,23 @@ void CloudController::update(double time_s, int width, int height, bool can_go_b
     preview_full_ = rests;
     preview_s_ = time_s;
   }
-  if (!fits_) return;
-  fit();
-  // Once the whole object is in the picture, turning it by hand leaves its size alone.
-  fits_ = !preview_full_;
+  if (fits_) {
+    fit();
+    // Once the whole object is in the picture, turning it by hand leaves its size alone.
+    fits_ = !preview_full_;
+  }
+  tell_look();
+}
+
+void CloudController::tell_look() {
+  const PointView* const points = frame_.status.points.get();
+  if (!orienting_.look ||
+      (points == looked_at_ && frame_.view == looked_ && same_crop(frame_.setup.crop, looked_crop_)))
+    return;
+  looked_at_ = points;
+  looked_ = frame_.view;
+  looked_crop_ = frame_.setup.crop;
+  orienting_.look(frame_.view, frame_.setup);
 }
 
 bool CloudController::rests() const {
@@ -410,7 +423,7 @@ bool CloudController::rests() const {
   const OrientingStatus& seen = frame_.status;
   const bool news = now.work != seen.work || now.points != seen.points || now.proposals != seen.proposals ||
                     now.notes != seen.notes || now.spacing_m != seen.spacing_m || now.scattered != seen.scattered ||
-                    now.busy != seen.busy;
+                    now.busy != seen.busy || now.detail != seen.detail || now.refining;
   const bool looking = frame_.status.points && (fits_ || preview_due_ || !preview_full_);
   const bool just_ended = frame_.time_s - ended_s_ < kLateStop_s;  // and time is to go on
   return !news && !now.busy && !looking && !just_ended && wishes_.empty() && words_.empty();

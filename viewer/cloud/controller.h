@@ -136,6 +136,7 @@ class CloudController {
   [[nodiscard]] UpAxis up() const;
   void take_status();
   void take_proposal();
+  void tell_look();
   void turn(const Eigen::Matrix4d& scan_to_grid, bool keep_fit);
   void turn_by(double about_x, double about_y, double about_z);
   void drag_crop(const Eigen::Vector2d& moved);
@@ -156,6 +157,9 @@ class CloudController {
   bool preview_full_ = false;
   std::uint64_t work_ = 0, proposals_ = 0, notes_ = 0;
   const PointView* shown_ = nullptr;
+  const PointView* looked_at_ = nullptr;  ///< when Orienting::look was told last, and with what
+  SplatView looked_;
+  std::optional<scene::CropConfig> looked_crop_;
   double metres_per_unit_ = 0.0;
   std::vector<Wish> wishes_;
   std::vector<std::string> words_;

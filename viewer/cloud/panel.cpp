@@ -201,8 +201,11 @@ void scans_part(const Brush& brush, CloudController& controller) {
   for (int axis = 1; axis < 3; ++axis) size += " x " + length(static_cast<double>((points->high - points->low)[axis]));
   ImGui::TextWrapped("%s point%s, %s", count_text(points->total, TextStyle::plain).c_str(),
                      points->total == 1 ? "" : "s", size.c_str());
-  if (points->total > points->points.size())
-    ImGui::TextWrapped("%s of them are shown", count_text(points->points.size(), TextStyle::plain).c_str());
+  const std::uint64_t shown = points->points.size() + (frame.status.detail ? frame.status.detail->points : 0);
+  if (points->total > shown) {
+    ImGui::TextWrapped("%s of them are shown%s", count_text(shown, TextStyle::plain).c_str(),
+                       frame.status.refining ? "; more are being read" : "");
+  }
   if (frame.status.scattered > 0)
     ImGui::TextWrapped("about %s of them are scattered in space: a depth scan leaves them out",
                        count_text(frame.status.scattered, TextStyle::plain).c_str());

@@ -74,20 +74,23 @@ std::vector<std::uint32_t> height_map() {
   return map;
 }
 
-/// Grey by intensity, from its first to its 99th percentile.
-std::vector<std::uint32_t> paint_intensity(const std::vector<float>& intensity) {
+/// From the first to the 99th percentile.
+IntensityRange range_of(const std::vector<float>& intensity) {
   std::vector<float> sample;
   const std::size_t step = std::max<std::size_t>(intensity.size() / 20000, 1);
   for (std::size_t n = 0; n < intensity.size(); n += step)
     if (std::isfinite(intensity[n])) sample.push_back(intensity[n]);
   std::ranges::sort(sample);
-  const float low = sample.empty() ? 0.0F : sample[sample.size() / 100];
-  const float high = sample.empty() ? 1.0F : sample[sample.size() - 1 - sample.size() / 100];
-  const float factor = high > low ? 225.0F / (high - low) : 0.0F;
+  if (sample.empty()) return {};
+  return {sample[sample.size() / 100], sample[sample.size() - 1 - sample.size() / 100]};
+}
+
+std::vector<std::uint32_t> paint_intensity(const std::vector<float>& intensity, const IntensityRange& range) {
+  const float factor = range.high > range.low ? 225.0F / (range.high - range.low) : 0.0F;
   std::vector<std::uint32_t> paint(intensity.size());
   for (std::size_t n = 0; n < intensity.size(); ++n) {
-    const float value = std::isfinite(intensity[n]) ? intensity[n] : low;
-    const auto grey = static_cast<std::uint32_t>(std::clamp(30.0F + (value - low) * factor, 30.0F, 255.0F));
+    const float value = std::isfinite(intensity[n]) ? intensity[n] : range.low;
+    const auto grey = static_cast<std::uint32_t>(std::clamp(30.0F + (value - range.low) * factor, 30.0F, 255.0F));
     paint[n] = 0xFF000000U | grey << 16U | grey << 8U | grey;
   }
   return paint;
@@ -102,21 +105,48 @@ std::vector<std::uint32_t> paint_stations(const std::vector<std::uint8_t>& stati
   return paint;
 }
 
-bool same(const std::optional<scene::CropConfig>& a, const std::optional<scene::CropConfig>& b) {
-  return a.has_value() == b.has_value() && (!a || (a->min_m == b->min_m && a->max_m == b->max_m));
-}
-
 }  // namespace
 
 CloudPicture::CloudPicture() : height_map_(height_map()) {}
+
+std::vector<std::uint32_t> CloudPicture::paint_of(const PointView& points) const {
+  if (painted_ == CloudColour::intensity) return paint_intensity(points.intensity, intensity_);
+  if (painted_ == CloudColour::stations) return paint_stations(points.station);
+  return {};
+}
 
 void CloudPicture::paint(const CloudFrame& frame) {
   const PointView& points = *frame.status.points;
   painted_ = frame.colour;
   points_ = &points;
-  paint_.clear();
-  if (frame.colour == CloudColour::intensity) paint_ = paint_intensity(points.intensity);
-  if (frame.colour == CloudColour::stations) paint_ = paint_stations(points.station);
+  if (painted_ == CloudColour::intensity) intensity_ = range_of(points.intensity);
+  paint_ = paint_of(points);
+  part_paint_.clear();
+}
+
+void CloudPicture::take_detail(const CloudFrame& frame) {
+  detail_ = frame.status.detail;
+  std::map<const PointView*, std::vector<std::uint32_t>> paint;
+  if (detail_) {
+    for (const auto& part : detail_->parts) {
+      const auto painted = part_paint_.find(part.get());
+      paint[part.get()] = painted != part_paint_.end() ? std::move(painted->second) : paint_of(*part);
+    }
+  }
+  part_paint_.swap(paint);
+}
+
+template <typename Use>
+void CloudPicture::for_each_view(const CloudFrame& frame, const Use& use) const {
+  use(*frame.status.points, paint_);
+  if (!detail_) return;
+  for (const auto& part : detail_->parts) use(*part, part_paint_.at(part.get()));
+}
+
+double CloudPicture::visible(const Splatter& splatter, const CloudFrame& frame) const {
+  std::uint64_t count = 0;
+  for_each_view(frame, [&](const PointView& points, const auto&) { count += splatter.visible(points); });
+  return static_cast<double>(std::max<std::uint64_t>(count, 1));
 }
 
 void CloudPicture::show_sides(const std::shared_ptr<const SidePictures>& sides, bool dark) {
@@ -138,15 +168,15 @@ void CloudPicture::show_sides(const std::shared_ptr<const SidePictures>& sides, 
                                texels.data());
 }
 
-SplatColours CloudPicture::colours_of(const CloudFrame& frame) const {
+SplatColours CloudPicture::colours_of(const CloudFrame& frame, const PointView& points,
+                                      const std::vector<std::uint32_t>& paint) const {
   SplatColours colours;
   if (frame.colour == CloudColour::scan) {
-    colours.point = frame.status.points->rgba;
+    colours.point = points.rgba;
   } else if (frame.colour != CloudColour::height) {
-    colours.point = paint_;
+    colours.point = paint;
   }
   colours.heights = height_map_;
-  const PointView& points = *frame.status.points;
   const Eigen::Vector3d origin = (frame.setup.scan_to_grid * points.origin_m.homogeneous()).head<3>();
   const double target = frame.view.scan_to_view.row(2).dot(frame.view.target_m);
   colours.low_m = frame.preview.low_m.z() - origin.z() - target;
@@ -155,12 +185,15 @@ SplatColours CloudPicture::colours_of(const CloudFrame& frame) const {
 }
 
 std::uint64_t CloudPicture::add(Splatter& splatter, const CloudFrame& frame, double from, double to, double density) {
-  const PointView& points = *frame.status.points;
-  const double apart_px =
-      points.spacing_m * scale_of(frame.setup.scan_to_grid) * frame.view.pixels_per_m / std::sqrt(density);
+  const bool finer = detail_ && detail_->spacing_m > 0.0;
+  const double spacing_m = finer ? detail_->spacing_m : frame.status.points->spacing_m;
+  const double apart_px = spacing_m * scale_of(frame.setup.scan_to_grid) * frame.view.pixels_per_m / std::sqrt(density);
   const int size = std::clamp(static_cast<int>(std::ceil(kOverlap * apart_px)), 1, kLargest);
   const auto began = std::chrono::steady_clock::now();
-  const std::uint64_t count = splatter.add(points, colours_of(frame), crop_of(frame.setup, points), from, to, size);
+  std::uint64_t count = 0;
+  for_each_view(frame, [&](const PointView& points, const std::vector<std::uint32_t>& paint) {
+    count += splatter.add(points, colours_of(frame, points, paint), crop_of(frame.setup, points), from, to, size);
+  });
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   constexpr std::uint64_t kEnough = 20000;  // points that a time says something of
   if (count >= kEnough && seconds > 0.0) points_per_s_ += 0.3 * (static_cast<double>(count) / seconds - points_per_s_);
@@ -177,19 +210,24 @@ void CloudPicture::upload(const Splatter& splatter, const SplatView& view) {
 
 void CloudPicture::splat(const CloudFrame& frame, bool changed) {
   if (changed) {
+    take_detail(frame);
     quick_.clear(frame.view);
-    const auto visible = static_cast<double>(std::max<std::uint64_t>(quick_.visible(*frame.status.points), 1));
-    share_ = frame.finished ? 1.0 : std::min(1.0, points_per_s_ * kFrame_s / visible);
+    share_ = frame.finished ? 1.0 : std::min(1.0, points_per_s_ * kFrame_s / visible(quick_, frame));
     add(quick_, frame, 0.0, share_, share_);
     upload(quick_, frame.view);
     changed_s_ = frame.time_s;
     refined_ = 0.0;
     return;
   }
+  // The picture that is there stays until one with the new detail is whole.
+  if (share_ >= 1.0 && detail_ != frame.status.detail) {
+    take_detail(frame);
+    share_ = 0.99;
+    refined_ = 0.0;
+  }
   if (share_ >= 1.0 || frame.time_s - changed_s_ < kPatience_s) return;
   if (refined_ == 0.0) all_.clear(frame.view);
-  const auto visible = static_cast<double>(std::max<std::uint64_t>(all_.visible(*frame.status.points), 1));
-  const double to = std::min(1.0, refined_ + std::max(0.02, points_per_s_ * kFrame_s / visible));
+  const double to = std::min(1.0, refined_ + std::max(0.02, points_per_s_ * kFrame_s / visible(all_, frame)));
   add(all_, frame, refined_, to, 1.0);
   refined_ = to;
   if (refined_ < 1.0) return;
@@ -211,11 +249,14 @@ void CloudPicture::draw(const CloudFrame& frame, unsigned framebuffer, const Rec
     glClear(GL_COLOR_BUFFER_BIT);
     glDisable(GL_SCISSOR_TEST);
     points_ = nullptr;
+    detail_.reset();
+    part_paint_.clear();
     return;
   }
   show_sides(frame.status.sides, high_contrast);
-  bool changed = points_ != frame.status.points.get() || !(view_ == frame.view) || !same(crop_, frame.setup.crop) ||
-                 dark_ != high_contrast || (frame.finished && share_ < 1.0);
+  bool changed = points_ != frame.status.points.get() || !(view_ == frame.view) ||
+                 !same_crop(crop_, frame.setup.crop) || dark_ != high_contrast ||
+                 (frame.finished && (share_ < 1.0 || detail_ != frame.status.detail));
   if (points_ != frame.status.points.get() || painted_ != frame.colour) {
     paint(frame);
     changed = true;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -12,6 +13,11 @@
 namespace sparsha::viewer {
 
 /// Needs a current context for its whole life. One thread.
+/// That is shown from black to white.
+struct IntensityRange {
+  float low = 0.0F, high = 1.0F;
+};
+
 class CloudPicture {
  public:
   CloudPicture();
@@ -33,7 +39,14 @@ class CloudPicture {
   void show_sides(const std::shared_ptr<const SidePictures>& sides, bool dark);
   void splat(const CloudFrame& frame, bool changed);
   void upload(const Splatter& splatter, const SplatView& view);
-  [[nodiscard]] SplatColours colours_of(const CloudFrame& frame) const;
+  [[nodiscard]] std::vector<std::uint32_t> paint_of(const PointView& points) const;
+  void take_detail(const CloudFrame& frame);
+  /// use(points, their paint) of the cloud and of each part of its detail.
+  template <typename Use>
+  void for_each_view(const CloudFrame& frame, const Use& use) const;
+  [[nodiscard]] double visible(const Splatter& splatter, const CloudFrame& frame) const;
+  [[nodiscard]] SplatColours colours_of(const CloudFrame& frame, const PointView& points,
+                                        const std::vector<std::uint32_t>& paint) const;
   std::uint64_t add(Splatter& splatter, const CloudFrame& frame, double from, double to, double density);
 
   ThreadPool pool_;
@@ -48,6 +61,9 @@ class CloudPicture {
   // What the picture that is there was made from.
   const PointView* points_ = nullptr;
   CloudColour painted_ = CloudColour::height;
+  std::shared_ptr<const PointDetail> detail_;
+  IntensityRange intensity_;
+  std::map<const PointView*, std::vector<std::uint32_t>> part_paint_;  ///< as paint_, of the parts of detail_
   std::vector<std::uint32_t> paint_;  ///< one colour per point; empty: the cloud's own or by height
   SplatView view_;
   bool dark_ = false;

@@ -48,6 +48,15 @@ struct PointView {
 /// Sorts the points into blocks and measures bounds and spacing. 10 million points take about 2 s; for a worker.
 void arrange(PointView& view);
 
+/// Points that come on top of a PointView where somebody looks closely. What is shown is never changed.
+struct PointDetail {
+  /// Arranged; origin and attributes are those of the view that they refine.
+  std::vector<std::shared_ptr<const PointView>> parts;
+  std::uint64_t points = 0;
+  double spacing_m = 0.0;  ///< typical distance of all points in the picture that was asked for; 0: the view's own
+  bool whole = false;      ///< the memory holds all that this picture asks for, and it is here
+};
+
 /// What the next depth scan is made with.
 struct ScanSetup {
   Eigen::Matrix4d scan_to_grid = Eigen::Matrix4d::Identity();
@@ -67,14 +76,18 @@ struct SidePictures {
   std::vector<Side> sides;
 };
 
+struct SplatView;
+
 /// An Escape that was to stop work on the scans may come so long after its end; it does not leave the program then.
 inline constexpr double kLateStop_s = 1.0;
 
 /// How the work on the scans stands. What is numbered counts from 1 and is new when its number is.
 struct OrientingStatus {
-  std::uint64_t work = 0;                   ///< other scans have another number, and count anew what is numbered
-  std::shared_ptr<const PointView> points;  ///< null until they are read
-  ScanSetup proposal;                       ///< to be taken over: the first view, or a face that was found
+  std::uint64_t work = 0;                     ///< other scans have another number, and count anew what is numbered
+  std::shared_ptr<const PointView> points;    ///< null until they are read
+  std::shared_ptr<const PointDetail> detail;  ///< of `points`; null: none
+  bool refining = false;                      ///< more detail is being read
+  ScanSetup proposal;                         ///< to be taken over: the first view, or a face that was found
   std::uint64_t proposals = 0;
   std::shared_ptr<const SidePictures> sides;  ///< to choose the front from; null where it is not open
   double spacing_m = 0.0;                     ///< of the grid to come; 0: automatic
@@ -94,6 +107,7 @@ struct Orienting {
   std::function<std::string()> unavailable;  ///< empty, or why the scans cannot be looked at
   std::function<void()> open;                ///< reads the scans; once more does nothing
   std::function<OrientingStatus()> status;
+  std::function<void(const SplatView&, const ScanSetup&)> look;  ///< what the picture shows now, whenever it changes
   std::function<void(scene::OrientationConfig::Face, const ScanSetup&)> find_face;
   std::function<void(scene::LengthUnit)> set_unit;  ///< of all scans; reads them again
   std::function<void(const ScanSetup&)> scan;       ///< the scene comes to Connections::scene

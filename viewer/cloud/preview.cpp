@@ -25,6 +25,10 @@ SplatCrop crop_of(const ScanSetup& setup, const PointView& points) {
   return crop;
 }
 
+bool same_crop(const std::optional<scene::CropConfig>& a, const std::optional<scene::CropConfig>& b) {
+  return a.has_value() == b.has_value() && (!a || (a->min_m == b->min_m && a->max_m == b->max_m));
+}
+
 DepthPreview preview_of(const PointView& points, const ScanSetup& setup, std::size_t at_most) {
   DepthPreview preview;
   if (points.points.empty()) return preview;

@@ -28,6 +28,8 @@ struct DepthPreview {
 /// The crop as `points` are stored.
 [[nodiscard]] SplatCrop crop_of(const ScanSetup& setup, const PointView& points);
 
+[[nodiscard]] bool same_crop(const std::optional<scene::CropConfig>& a, const std::optional<scene::CropConfig>& b);
+
 /// Looks at `at_most` points, evenly chosen. Cells are as wide as that many points can fill, and at least the
 /// cloud's spacing times 1.5.
 [[nodiscard]] DepthPreview preview_of(const PointView& points, const ScanSetup& setup, std::size_t at_most);

@@ -40,11 +40,23 @@ Mapping mapping_of(const SplatView& view) {
   return {row(0, 1.0, 0.5 * view.width), row(1, -1.0, 0.5 * view.height), row(2, 1.0, 0.0)};
 }
 
+bool sees(const SplatView& view, const PointBlock& block) {
+  return view.sees(block.low.cast<double>(), block.high.cast<double>());
+}
+
 }  // namespace
 
 Eigen::Vector3d SplatView::to_pixel(const Eigen::Vector3d& point_m) const {
   const Eigen::Vector3d v = pixels_per_m * (scan_to_view * (point_m - target_m));
   return {0.5 * width + v.x(), 0.5 * height - v.y(), v.z()};
+}
+
+bool SplatView::sees(const Eigen::Vector3d& low_m, const Eigen::Vector3d& high_m) const {
+  const Eigen::Vector3d middle = to_pixel(0.5 * (low_m + high_m));
+  const Eigen::Vector3d reach = pixels_per_m * (scan_to_view.cwiseAbs() * (0.5 * (high_m - low_m)));
+  constexpr double kSplat = 8.0;
+  return middle.x() + reach.x() >= -kSplat && middle.x() - reach.x() <= width + kSplat &&
+         middle.y() + reach.y() >= -kSplat && middle.y() - reach.y() <= height + kSplat;
 }
 
 void Splatter::clear(const SplatView& view) {
@@ -54,18 +66,9 @@ void Splatter::clear(const SplatView& view) {
   pool_.for_ranges(layers_.size(), 1, [&](std::size_t layer, std::size_t) { layers_[layer].assign(pixels, 0); });
 }
 
-bool Splatter::sees(const PointBlock& block) const {
-  const Eigen::Vector3d middle = view_.to_pixel((0.5F * (block.low + block.high)).cast<double>());
-  const Eigen::Vector3d half = 0.5 * (block.high - block.low).cast<double>();
-  const Eigen::Vector3d reach = view_.pixels_per_m * (view_.scan_to_view.cwiseAbs() * half);
-  constexpr double kSplat = 8.0;
-  return middle.x() + reach.x() >= -kSplat && middle.x() - reach.x() <= view_.width + kSplat &&
-         middle.y() + reach.y() >= -kSplat && middle.y() - reach.y() <= view_.height + kSplat;
-}
-
 std::uint64_t Splatter::visible(const PointView& points) const {
   std::uint64_t count = 0;
-  for (const PointBlock& block : points.blocks) count += sees(block) ? block.count : 0;
+  for (const PointBlock& block : points.blocks) count += sees(view_, block) ? block.count : 0;
   return count;
 }
 
@@ -112,7 +115,7 @@ std::uint64_t Splatter::add(const PointView& points, const SplatColours& colours
   pool_.for_ranges(layers_.size(), 1, [&](std::size_t layer, std::size_t) {
     std::uint64_t mine = 0;
     for (std::size_t k = layer; k < points.blocks.size(); k += layers_.size())
-      if (sees(points.blocks[k])) mine += draw(points.blocks[k], layers_[layer]);
+      if (sees(view_, points.blocks[k])) mine += draw(points.blocks[k], layers_[layer]);
     seen += mine;
   });
   return seen;

@@ -24,6 +24,8 @@ struct SplatView {
 
   /// From the top left, and height in pixels above the target.
   [[nodiscard]] Eigen::Vector3d to_pixel(const Eigen::Vector3d& point_m) const;
+  /// Whether points in this box may be in the picture; as PointView::points.
+  [[nodiscard]] bool sees(const Eigen::Vector3d& low_m, const Eigen::Vector3d& high_m) const;
   friend bool operator==(const SplatView& a, const SplatView& b) {
     return a.scan_to_view == b.scan_to_view && a.target_m == b.target_m && a.pixels_per_m == b.pixels_per_m &&
            a.width == b.width && a.height == b.height;
@@ -62,8 +64,6 @@ class Splatter {
   void read(std::vector<std::uint32_t>& rgba, std::vector<float>& heights) const;
 
  private:
-  [[nodiscard]] bool sees(const PointBlock& block) const;
-
   ThreadPool& pool_;
   SplatView view_;
   std::vector<std::vector<std::uint64_t>> layers_;  ///< one a thread; the larger word wins

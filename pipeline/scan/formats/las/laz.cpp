@@ -7,30 +7,11 @@
 #include <fmt/format.h>
 
 #include "pipeline/scan/formats/las/copc.h"
-#include "pipeline/scan/formats/las/laz/points.h"
 
 namespace sparsha::pipeline::las {
 namespace {
 
 constexpr std::uint64_t kWorthThreads = 100'000;  // points
-constexpr std::uint64_t kColourSample = 1000;     // points whose colours tell their range
-
-/// How the points are packed is described in a record of its own; without it there is nothing to read.
-laz::Packing find_packing(const ScanFile& file, const Header& header) {
-  for (const Record& record : header.records) {
-    if (record.user != "laszip encoded" || record.id != 22204) continue;
-    return laz::parse_packing(record.data, static_cast<std::size_t>(record.data.data() - file.bytes.data()),
-                              header.record_size);
-  }
-  throw file.error("compressed points without a LASzip record", "the record 22204 of 'laszip encoded'");
-}
-
-/// Of the record's bytes that the reader looks at.
-laz::Layers wanted_layers(const laz::Packing& packing, const PointReader& reader) {
-  laz::Layers layers = 0;
-  for (const auto& [begin, end] : reader.used_bytes()) layers |= laz::layers_at(packing, begin, end);
-  return layers;
-}
 
 /// Hands records to the reader, which finds the range of the colours in the first ones.
 class Arrivals {
@@ -214,6 +195,21 @@ void unpack(const ScanFile& file, const Header& header, const Units& units, Poin
 }
 
 }  // namespace
+
+laz::Packing find_packing(const ScanFile& file, const Header& header) {
+  for (const Record& record : header.records) {
+    if (record.user != "laszip encoded" || record.id != 22204) continue;
+    return laz::parse_packing(record.data, static_cast<std::size_t>(record.data.data() - file.bytes.data()),
+                              header.record_size);
+  }
+  throw file.error("compressed points without a LASzip record", "the record 22204 of 'laszip encoded'");
+}
+
+laz::Layers wanted_layers(const laz::Packing& packing, const PointReader& reader) {
+  laz::Layers layers = 0;
+  for (const auto& [begin, end] : reader.used_bytes()) layers |= laz::layers_at(packing, begin, end);
+  return layers;
+}
 
 void read_compressed(const ScanFile& file, const Header& header, const Units& units, PointReader& reader,
                      ScanWriter& out) {

@@ -6,6 +6,7 @@
 
 #include "pipeline/scan/formats/las/fields.h"
 #include "pipeline/scan/formats/las/header.h"
+#include "pipeline/scan/formats/las/laz/points.h"
 #include "pipeline/scan/scalar.h"
 #include "pipeline/scan/writer.h"
 
@@ -46,6 +47,16 @@ class PointReader {
   std::array<std::int32_t, 3> least_, most_;  ///< of the points
   std::uint64_t count_ = 0, outside_ = 0;
 };
+
+/// So many points of a file tell the range of its colours.
+inline constexpr std::uint64_t kColourSample = 1000;
+
+/// How the points are packed. Throws Error{input} without the record that describes it, laz::Damage when it makes no
+/// sense.
+[[nodiscard]] laz::Packing find_packing(const ScanFile& file, const Header& header);
+
+/// Those that hold what the reader looks at.
+[[nodiscard]] laz::Layers wanted_layers(const laz::Packing& packing, const PointReader& reader);
 
 /// Reads LAZ points, chunks in parallel. Throws Error{input} with byte and chunk when the file is damaged.
 void read_compressed(const ScanFile& file, const Header& header, const Units& units, PointReader& reader,

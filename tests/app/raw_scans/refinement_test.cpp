@@ -1,0 +1,299 @@
+// Finer levels of COPC files come where somebody looks: the same points as decoding all, from the chunks in the
+// picture.
+#include "app/raw_scans/refinement.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <random>
+#include <set>
+#include <string>
+#include <thread>
+#include <tuple>
+#include <vector>
+
+#include "app/raw_scans/point_reader.h"
+#include "base/files/files.h"
+#include "pipeline/scan/reader.h"
+#include "tests/support/copc_file.h"
+#include "tests/support/scan_files.h"
+#include "tests/support/test_folder.h"
+
+namespace sparsha::app {
+namespace {
+
+namespace fs = std::filesystem;
+using pipeline::testing::CopcFile;
+using pipeline::testing::CopcNode;
+
+using Row = std::tuple<float, float, float, std::uint32_t, float>;
+
+void finish(const Refinement& refinement) {
+  while (refinement.busy()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+}
+
+/// A root, all cells of level 1, and of level 2 those at the bottom; none at a lower corner of its cube.
+std::vector<CopcNode> three_levels() {
+  std::mt19937 random(11);
+  std::vector<CopcNode> nodes;
+  const auto add = [&](int level, const std::array<std::int32_t, 3>& cell, int count) {
+    const std::int32_t edge = 1600 >> level;
+    CopcNode node{level, cell, {}};
+    std::uniform_int_distribution<std::int32_t> place(1, edge - 1);
+    for (int n = 0; n < count; ++n) {
+      node.points.push_back(
+          {cell[0] * edge + place(random), cell[1] * edge + place(random), cell[2] * edge + place(random)});
+    }
+    nodes.push_back(std::move(node));
+  };
+  add(0, {0, 0, 0}, 300);
+  for (std::int32_t k = 0; k < 8; ++k) add(1, {k & 1, k >> 1 & 1, k >> 2}, 200);
+  for (std::int32_t k = 0; k < 16; ++k) add(2, {k & 3, k >> 2, 0}, 100);
+  return nodes;
+}
+
+/// Seen from +z, `metres` high around a place of the scan frame.
+viewer::SplatView around(const Eigen::Vector3d& place, double metres, const viewer::PointView& points) {
+  viewer::SplatView view;
+  view.width = 300;
+  view.height = 200;
+  view.pixels_per_m = view.height / metres;
+  view.target_m = place - points.origin_m;
+  return view;
+}
+
+bool in_picture(const viewer::SplatView& view, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d pixel = view.to_pixel(p);
+  return pixel.x() >= 0.0 && pixel.x() <= view.width && pixel.y() >= 0.0 && pixel.y() <= view.height;
+}
+
+void add_rows(const viewer::PointView& points, const viewer::SplatView& view, std::vector<Row>& rows) {
+  for (std::size_t n = 0; n < points.points.size(); ++n) {
+    const Eigen::Vector3f& p = points.points[n];
+    if (!in_picture(view, p.cast<double>())) continue;
+    rows.emplace_back(p.x(), p.y(), p.z(), points.rgba.empty() ? 0 : points.rgba[n],
+                      points.intensity.empty() ? 0.0F : points.intensity[n]);
+  }
+}
+
+std::vector<Row> shown(const viewer::PointView& coarse, const viewer::PointDetail* detail,
+                       const viewer::SplatView& view) {
+  std::vector<Row> rows;
+  add_rows(coarse, view, rows);
+  if (detail != nullptr)
+    for (const auto& part : detail->parts) add_rows(*part, view, rows);
+  std::sort(rows.begin(), rows.end());
+  return rows;
+}
+
+/// What reading all of the file gives.
+std::vector<Row> all_of(const scene::ScanConfig& scan, const viewer::PointView& coarse, const viewer::SplatView& view) {
+  Progress progress;
+  const pipeline::Cloud cloud = pipeline::load_scan(scan, progress, coarse.origin_m);
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const float* const p = cloud.xyz1() + 4 * i;
+    if (!in_picture(view, Eigen::Vector3d(p[0], p[1], p[2]))) continue;
+    rows.emplace_back(p[0], p[1], p[2], cloud.rgba.empty() ? 0 : cloud.rgba[i] | 0xFF000000U, cloud.intensity[i]);
+  }
+  std::sort(rows.begin(), rows.end());
+  return rows;
+}
+
+struct Opened {
+  std::shared_ptr<const viewer::PointView> coarse;
+  std::unique_ptr<Refinement> refinement;
+  std::vector<std::string> said;
+
+  Opened(const scene::ScanConfig& scan, std::uint64_t coarse_points, std::uint64_t most_points) {
+    Progress progress;
+    ReadPoints read = read_points({scan}, "a", progress, kMostPointsShown, coarse_points);
+    coarse = read.view;
+    EXPECT_FALSE(read.coarse.empty());
+    refinement = std::make_unique<Refinement>(std::move(read.coarse), coarse, most_points,
+                                              [this](const std::string& words) { said.push_back(words); });
+  }
+};
+
+struct Written {
+  test::TestFolder folder;
+  std::vector<CopcNode> nodes = three_levels();
+  CopcFile file{nodes};
+  scene::ScanConfig scan;
+
+  Written() {
+    scan.file = folder / "a.copc.laz";
+    scan.units.unit = scene::LengthUnit::m;
+    write_file(scan.file, file.bytes);
+  }
+  /// Whether the node's cube reaches into a rectangle over x and y, with a step of the coordinates.
+  [[nodiscard]] bool meets(std::size_t n, double x0, double y0, double x1, double y1) const {
+    const double edge = CopcFile::kSide / (1 << nodes[n].level), step = CopcFile::kScale;
+    const double x = edge * nodes[n].cell[0], y = edge * nodes[n].cell[1];
+    return x - step <= x1 && x + edge + step >= x0 && y - step <= y1 && y + edge + step >= y0;
+  }
+};
+
+TEST(Refinement, ThePointsInThePictureAreThoseOfDecodingAllAndOtherChunksAreNotRead) {
+  Written written;
+  // A picture of 1.5 x 1 m: of level 1 the two cubes over each other that hold it, of level 2 one.
+  const Eigen::Vector3d place(2.0, 2.0, 8.0);
+  std::string spoilt = written.file.bytes;
+  std::uint64_t bytes = 0;
+  for (std::size_t n = 0; n < written.nodes.size(); ++n) {
+    if (written.nodes[n].level == 0 || written.meets(n, 1.0, 1.0, 3.0, 3.0)) {
+      bytes += written.nodes[n].level == 0 ? 0 : written.file.sizes[n];
+      continue;
+    }
+    std::fill_n(spoilt.begin() + static_cast<std::ptrdiff_t>(written.file.chunks[n]), written.file.sizes[n], '\xA5');
+  }
+  scene::ScanConfig damaged = written.scan;
+  damaged.file = written.folder / "spoilt.copc.laz";
+  write_file(damaged.file, spoilt);
+  Opened opened(damaged, 1, 1'000'000);
+  EXPECT_EQ(opened.coarse->points.size(), 300U) << "the root alone";
+  EXPECT_EQ(opened.coarse->total, 300U + 8 * 200 + 16 * 100);
+  EXPECT_EQ(opened.refinement->bytes_read(), 0U) << "points of this format have no colours";
+  const viewer::SplatView view = around(place, 1.0, *opened.coarse);
+  opened.refinement->look({view, {}});
+  finish(*opened.refinement);
+  const auto detail = opened.refinement->detail();
+  ASSERT_TRUE(detail);
+  EXPECT_TRUE(detail->whole);
+  EXPECT_EQ(opened.said, std::vector<std::string>());
+  EXPECT_EQ(opened.refinement->bytes_read(), bytes);
+  EXPECT_EQ(detail->points, 2U * 200 + 100);
+  const std::vector<Row> expected = all_of(written.scan, *opened.coarse, view);
+  EXPECT_GT(expected.size(), 0U);
+  EXPECT_EQ(shown(*opened.coarse, detail.get(), view), expected);
+  EXPECT_LT(shown(*opened.coarse, nullptr, view).size(), expected.size());
+}
+
+TEST(Refinement, FromAfarNothingIsReadAndCloserOneLevelAfterTheOther) {
+  const Written written;
+  Opened opened(written.scan, 1, 1'000'000);
+  const Eigen::Vector3d middle = Eigen::Vector3d::Constant(8.0);
+  const auto parts_at = [&](double pixels_per_m) {
+    viewer::SplatView view = around(middle, 1.0, *opened.coarse);
+    view.pixels_per_m = pixels_per_m;
+    opened.refinement->look({view, {}});
+    finish(*opened.refinement);
+    return opened.refinement->detail()->parts.size();
+  };
+  EXPECT_EQ(parts_at(0.9), 0U) << "points of the root are less than a pixel apart";
+  EXPECT_EQ(opened.refinement->bytes_read(), 0U);
+  EXPECT_EQ(parts_at(1.5), 8U);
+  EXPECT_EQ(parts_at(2.5), 24U);
+  EXPECT_EQ(parts_at(0.9), 24U) << "what is here stays while there is room";
+}
+
+TEST(Refinement, TheMemoryIsBoundedAndWhatWasLookedAtLongAgoGoesFirst) {
+  const Written written;
+  constexpr std::uint64_t kMost = 700;  // three nodes of level 1 and one of level 2, or two and three
+  Opened opened(written.scan, 1, kMost);
+  std::set<const viewer::PointView*> before;
+  for (const auto& [x, y] : {std::pair{2.0, 2.0}, {14.0, 2.0}, {14.0, 14.0}, {2.0, 14.0}, {2.0, 2.0}}) {
+    const viewer::SplatView view = around({x, y, 8.0}, 1.0, *opened.coarse);
+    opened.refinement->look({view, {}});
+    finish(*opened.refinement);
+    const auto detail = opened.refinement->detail();
+    EXPECT_LE(detail->points, kMost);
+    EXPECT_TRUE(detail->whole);
+    EXPECT_EQ(shown(*opened.coarse, detail.get(), view), all_of(written.scan, *opened.coarse, view));
+  }
+  // A picture of everything does not fit: whole levels and near nodes come as far as they go.
+  viewer::SplatView whole = around(Eigen::Vector3d::Constant(8.0), 16.0, *opened.coarse);
+  opened.refinement->look({whole, {}});
+  finish(*opened.refinement);
+  EXPECT_FALSE(opened.refinement->detail()->whole);
+  EXPECT_LE(opened.refinement->detail()->points, kMost);
+  EXPECT_EQ(opened.refinement->detail()->spacing_m, 0.0) << "no level is whole";
+}
+
+TEST(Refinement, CoarseNodesComeFirstThenThoseNearTheMiddleAndTheViewer) {
+  const auto node = [](int level, const Eigen::Vector3d& middle) {
+    DetailNode made;
+    made.levels_below = level;
+    made.low_m = middle - Eigen::Vector3d::Constant(0.5);
+    made.high_m = middle + Eigen::Vector3d::Constant(0.5);
+    made.parents_apart_m = 0.1;
+    made.points = 10;
+    return made;
+  };
+  const std::vector<DetailNode> nodes{node(2, {0, 0, 0}), node(1, {2, 0, 0}), node(1, {0, 1, -3}),
+                                      node(1, {0, 0, 1}), node(1, {9, 0, 0}), node(1, {0, 0, -1})};
+  viewer::SplatView view;
+  view.pixels_per_m = 20.0;
+  view.width = view.height = 100;
+  const Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  const auto order = [&](const Look& look, std::uint64_t most) { return wanted_nodes(nodes, look, origin, most); };
+  EXPECT_EQ(order({view, {}}, 1000).nodes, (std::vector<std::size_t>{3, 5, 1, 2, 0}));
+  EXPECT_TRUE(order({view, {}}, 1000).all);
+  EXPECT_EQ(order({view, {}}, 25).nodes, (std::vector<std::size_t>{3, 5}));
+  EXPECT_FALSE(order({view, {}}, 25).all);
+  const scene::CropConfig upper{{-9, -9, 0.6}, {9, 9, 9}};
+  EXPECT_EQ(order({view, upper}, 1000).nodes, (std::vector<std::size_t>{3}));
+  view.pixels_per_m = 9.0;
+  EXPECT_TRUE(order({view, {}}, 1000).nodes.empty());
+}
+
+TEST(Refinement, ADamagedNodeIsSaidOnceAndLeavesTheOthers) {
+  Written written;
+  const std::size_t bad = 3;
+  std::fill_n(written.file.bytes.begin() + static_cast<std::ptrdiff_t>(written.file.chunks[bad]), 60, '\xA5');
+  write_file(written.scan.file, written.file.bytes);
+  Opened opened(written.scan, 1, 1'000'000);
+  viewer::SplatView view = around(Eigen::Vector3d::Constant(8.0), 16.0, *opened.coarse);
+  for (int k = 0; k < 2; ++k) {
+    view.pixels_per_m *= 1.1;
+    opened.refinement->look({view, {}});
+    finish(*opened.refinement);
+  }
+  EXPECT_EQ(opened.refinement->detail()->parts.size(), written.nodes.size() - 2);
+  ASSERT_EQ(opened.said.size(), 1U);
+  EXPECT_NE(opened.said.front().find("at byte"), std::string::npos) << opened.said.front();
+}
+
+TEST(Refinement, ANewLookTakesThePlaceOfTheOneBeforeAndItEndsInTheMiddle) {
+  const Written written;
+  for (int trial = 0; trial < 20; ++trial) {
+    Opened opened(written.scan, 1, 1'000'000);
+    viewer::SplatView view;
+    for (int k = 0; k < 20; ++k) {
+      view = around({0.7 * k, 0.7 * k, 8.0}, 2.0, *opened.coarse);
+      opened.refinement->look({view, {}});
+    }
+    if (trial % 2 == 0) continue;
+    finish(*opened.refinement);
+    const auto detail = opened.refinement->detail();
+    EXPECT_EQ(shown(*opened.coarse, detail.get(), view), all_of(written.scan, *opened.coarse, view));
+  }
+}
+
+TEST(RealScanRefinement, ALionIsShownAsDecodingAllOfItDoes) {
+  SPARSHA_REAL_SCANS_OR_SKIP(scans);
+  scene::ScanConfig scan;
+  scan.file = scans / "heritage/lion_takanawa.copc.laz";
+  Opened opened(scan, 1, 1'000'000);
+  const Eigen::Vector3d middle =
+      opened.coarse->origin_m + 0.5 * (opened.coarse->low + opened.coarse->high).cast<double>();
+  std::size_t finer = 0;
+  for (const Eigen::Vector3d& shift :
+       {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.4, 0.3, 0), Eigen::Vector3d(-1, 1, 0)}) {
+    viewer::SplatView view = around(middle + shift, 0.3, *opened.coarse);
+    opened.refinement->look({view, {}});
+    finish(*opened.refinement);
+    const auto detail = opened.refinement->detail();
+    const std::vector<Row> now = shown(*opened.coarse, detail.get(), view);
+    EXPECT_TRUE(detail->whole);
+    EXPECT_TRUE(now == all_of(scan, *opened.coarse, view)) << now.size();
+    finer += now.size() - shown(*opened.coarse, nullptr, view).size();
+  }
+  EXPECT_GT(finer, 0U);
+  EXPECT_LT(opened.refinement->bytes_read(), fs::file_size(scan.file) / 2);
+  EXPECT_EQ(opened.said, std::vector<std::string>());
+}
+
+}  // namespace
+}  // namespace sparsha::app
