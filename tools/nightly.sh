@@ -73,8 +73,10 @@ fuzz() {
   for target in build-fuzz/fuzz/*_fuzz; do
     corpus=build-fuzz/corpus/$(basename "$target")
     mkdir -p "$corpus"
-    if [ -n "${SPARSHA_SCANS_DIR:-}" ] && [ "$(basename "$target")" = scan_fuzz ]; then
-      find "$SPARSHA_SCANS_DIR" -type f -size -64k -exec cp -n {} "$corpus" \;
+    if [ "$(basename "$target")" = scan_fuzz ]; then
+      local scans=()
+      if [ -n "${SPARSHA_SCANS_DIR:-}" ]; then mapfile -t scans < <(find "$SPARSHA_SCANS_DIR" -type f -size -64k); fi
+      build-fuzz/fuzz/make_seeds "$corpus" "${scans[@]}"
     fi
     timeout=10
     # A whole build, its report and all that is done with the scene; its recipes are short.

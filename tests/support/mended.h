@@ -5,7 +5,10 @@
 #include <string>
 #include <string_view>
 
+#include "pipeline/scan/file.h"
 #include "pipeline/scan/formats/e57/pages.h"
+#include "pipeline/scan/formats/threemf/zip.h"
+#include "pipeline/scan/inflate.h"
 #include "tests/support/deflated.h"
 
 namespace sparsha::pipeline::testing {
@@ -23,6 +26,17 @@ inline std::string mended(std::string bytes, std::string_view name) {
   if (name.ends_with(".spz") && bytes.starts_with("NGSP")) return deflated(bytes, 16 + 15);
   if (name.ends_with(".3mf") && bytes.starts_with("<")) return zipped({{"3D/3dmodel.model", bytes}});
   return bytes;
+}
+
+/// The contents of a sound file of this name, which mended() packs again.
+inline std::string bare(const std::string& bytes, std::string_view name) {
+  constexpr std::size_t kMost = std::size_t{1} << 24U;
+  if (name.ends_with(".spz")) return Inflater(bytes, Inflater::Wrapping::gzip).read(kMost);
+  if (!name.ends_with(".3mf")) return bytes;
+  ScanFile file;
+  file.name = name;
+  file.bytes = bytes;
+  return ZipArchive(file).read("3D/3dmodel.model");
 }
 
 }  // namespace sparsha::pipeline::testing
