@@ -54,6 +54,7 @@ void read_colmap(const ScanFile& file, ScanWriter& out) {
   const auto count = load<std::uint64_t>(file.bytes.data());
   RawScan& scan = out.scan();
   scan.format = "COLMAP points3D";
+  scan.notes.emplace_back(kColmapNote);
   scan.fields = {"x", "y", "z", "red", "green", "blue", "error", "track_length"};
   const int error = out.want("error");
   const int track = out.want("track_length");

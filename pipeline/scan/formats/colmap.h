@@ -7,6 +7,10 @@
 
 namespace sparsha::pipeline {
 
+/// What a sparse model is and lacks, in text and binary.
+inline constexpr const char* kColmapNote =
+    "COLMAP: sparse points of a model whose cameras and images are not read; its dense fused.ply has the surface";
+
 /// By its records, which must follow one another: nothing else in such a file tells.
 [[nodiscard]] bool is_colmap(const ScanFile& file);
 void read_colmap(const ScanFile& file, ScanWriter& out);

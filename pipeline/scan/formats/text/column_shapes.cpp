@@ -48,18 +48,25 @@ bool look_like_colours(const std::vector<TableRow>& sample, std::size_t usual, s
   return in_range(sample, usual, first, 0.0, 255.0, true) || in_range(sample, usual, first, 0.0, 1.0, false);
 }
 
-bool look_like_normals(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first) {
+bool are_unit_vectors(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first) {
   std::size_t rows = 0;
-  bool negative = false;
   for (const TableRow& row : sample) {
     if (row.count != usual) continue;
     const Eigen::Vector3d normal(row.values[first], row.values[first + 1], row.values[first + 2]);
     if (normal.isZero(0.0)) continue;  // of points for which none was found
     if (!(std::abs(normal.norm() - 1.0) < 0.01)) return false;
-    negative = negative || (normal.array() < 0.0).any();
     ++rows;
   }
-  return negative && rows >= 3;
+  return rows >= 3;
+}
+
+bool look_like_normals(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first) {
+  const bool negative = std::any_of(sample.begin(), sample.end(), [&](const TableRow& row) {
+    const auto below = [](double v) { return v < 0.0; };
+    return row.count == usual && std::any_of(row.values.begin() + static_cast<std::ptrdiff_t>(first),
+                                             row.values.begin() + static_cast<std::ptrdiff_t>(first) + 3, below);
+  });
+  return negative && are_unit_vectors(sample, usual, first);
 }
 
 std::size_t leading_numbers(const std::vector<TableRow>& sample, std::size_t usual) {

@@ -18,6 +18,8 @@ namespace sparsha::pipeline {
 [[nodiscard]] bool look_like_colours(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first);
 
 /// Unit vectors, not all of which point one way: as programs write normals behind coordinates.
+/// Behind colours that are enough: a flat wall's normals may all have the same side.
+[[nodiscard]] bool are_unit_vectors(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first);
 [[nodiscard]] bool look_like_normals(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first);
 
 /// Numbers in every row before the first word of any.

@@ -40,7 +40,7 @@ void guess_attributes(TableColumns& columns, const std::vector<TableRow>& sample
   } else if (usual >= 6 && look_like_colours(sample, usual, 3)) {
     set_colour(columns, 3);
     if (usual == 7) columns.intensity = 6;
-    if (usual >= 9 && look_like_normals(sample, usual, 6)) set_normals(columns, 6);  // a measure may follow
+    if (usual >= 9 && are_unit_vectors(sample, usual, 6)) set_normals(columns, 6);  // a measure may follow
   } else if (usual >= 7 && look_like_colours(sample, usual, 4)) {
     set_colour(columns, 4);
     columns.intensity = 3;
@@ -55,6 +55,14 @@ void label_fields(TableColumns& columns) {
   for (std::size_t i = columns.fields.size(); i < words.size(); ++i) {
     columns.fields.push_back(words[i] != "skip" ? words[i] : "column " + std::to_string(i + 1));
   }
+}
+
+/// Where COLMAP's names and rows have tracks, which are as long as they are.
+void take_track(TableColumns& columns, int track) {
+  columns.track = track;
+  columns.fields.resize(std::max(columns.fields.size(), index(track) + 1));
+  columns.fields[index(track)] = "track_length";
+  columns.rows_vary = true;
 }
 
 /// What the colours of the sample mean.
@@ -212,6 +220,8 @@ TableColumns named_columns(const TableHeader& header, const HeaderPlace& place, 
   if (!alike) columns.usual = std::min(columns.usual, header.names.size());
   const bool in_place = columns.x == 0 && columns.y == 1 && columns.z == 2;
   if (in_place && header.names.size() == 3) guess_attributes(columns, sample, false);
+  if (const int track = find(columns.fields, "track"); track > 0 && columns.fields.front() == "point3d_id")
+    take_track(columns, track);
   label_fields(columns);
   if (!place.exact && alike && !in_place && !header.gap) {
     columns.warnings.push_back("the header names " + std::to_string(header.names.size()) + " columns, the rows have " +
@@ -253,6 +263,8 @@ TableColumns guess_columns(const std::vector<TableRow>& sample, bool pts) {
   if (points3d) {
     columns.usual = 8;
     set_colour(columns, 4);
+    columns.fields = {"point3d_id", "x", "y", "z", "red", "green", "blue", "error"};
+    take_track(columns, 8);
     columns.warnings.emplace_back("without a header it looks like COLMAP's points3D.txt, and is read as that");
   } else {
     const std::size_t numbers = leading_numbers(sample, usual);

@@ -18,6 +18,7 @@ struct TableColumns {
   int red = -1, green = -1, blue = -1;
   int intensity = -1;
   int nx = -1, ny = -1, nz = -1;
+  int track = -1;        ///< from here on COLMAP's rows name the pictures that show the point, two values each
   bool degrees = false;  ///< x and y are longitude and latitude
   ColourScale scale = ColourScale::byte;
   std::size_t usual = 3;  ///< columns of most rows

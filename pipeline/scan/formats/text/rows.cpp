@@ -83,7 +83,10 @@ class Fields {
     any_number_ = any_number_ || is_number_;
     any_word_ = any_word_ || !word_.empty();
     is_number_ = false;
-    if (row_.count == kMostColumns) return;
+    if (row_.count == kMostColumns) {
+      ++row_.beyond;
+      return;
+    }
     row_.values[row_.count] = value_;
     row_.words[row_.count] = word_;
     ++row_.count;
@@ -213,7 +216,7 @@ class Fields {
 }  // namespace
 
 RowKind parse_table_row(std::string_view line, const TableStyle& style, TableRow& row) {
-  row.count = 0;
+  row.count = row.beyond = 0;
   const char* const end = line.data() + line.size();
   const char* const p = skip_blanks(line.data(), end);
   if (p == end) return RowKind::blank;

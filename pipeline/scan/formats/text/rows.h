@@ -15,6 +15,7 @@ struct TableRow {
   std::array<double, kMostColumns> values;
   std::array<std::string_view, kMostColumns> words;  ///< of the values that are no numbers; else empty
   std::size_t count = 0;
+  std::size_t beyond = 0;  ///< values behind these, which are only counted
 
   /// True when nothing stands behind the last separator.
   [[nodiscard]] bool ends_empty() const {

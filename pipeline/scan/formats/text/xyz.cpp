@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "pipeline/scan/formats/colmap.h"
 #include "pipeline/scan/formats/text/columns.h"
 #include "pipeline/scan/formats/text/first_column.h"
 #include "pipeline/scan/formats/text/first_lines.h"
@@ -81,6 +82,7 @@ class Reader {
     scan.fields = columns().fields;
     if (layout_.empty) scan.fields = {"x", "y", "z"};
     scan.warnings = columns().warnings;
+    if (columns().track >= 0) scan.notes.emplace_back(kColmapNote);
     scan.degrees = columns().degrees;
     scan.unit = layout_.unit;
     needed_ = columns().needed();
@@ -135,7 +137,10 @@ class Reader {
     } else if (columns().has_colour()) {
       ++colourless_;
     }
-    for (const auto& [column, slot] : fields_) out_.set_field(slot, has(column) ? value(column) : kNaN);
+    for (const auto& [column, slot] : fields_) {
+      const bool is_track = column == columns().track;
+      out_.set_field(slot, is_track ? track_length(row) : has(column) ? value(column) : kNaN);
+    }
     if (columns().has_normals()) set_normal(row);
     if (columns().by == TextTable::By::position) {
       first_column_.add(value(columns().x), value(columns().y), value(columns().z));
@@ -144,6 +149,13 @@ class Reader {
              has(columns().intensity) ? static_cast<float>(value(columns().intensity)) : kNoIntensity);
     ++rows_;
     ++rows_of_block_;
+  }
+
+  /// Pictures that show the point.
+  [[nodiscard]] double track_length(const TableRow& row) const {
+    const std::size_t values = row.count + row.beyond - (row.ends_empty() ? 1 : 0);
+    const std::size_t before = std::min(static_cast<std::size_t>(columns().track), values);
+    return static_cast<double>((values - before) / 2);
   }
 
   /// A row may end before its normal.

@@ -247,6 +247,42 @@ TEST(TextTable, OfColmapHasItsPointsInColumnsTwoToFour) {
   EXPECT_THAT(unnamed.warnings, ElementsAre(HasSubstr("points3D.txt")));
 }
 
+TEST(TextTable, OfColmapTellsHowManyPicturesShowAPoint) {
+  const Relief relief;
+  // The rows that are looked at first are alike; later ones are longer, up to more values than a row keeps.
+  std::string text = "#   POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
+  const auto track = [](std::size_t n) { return n < 1100 ? 2 : 2 + n % 40; };
+  for (std::size_t n = 0; n < 1400; ++n) {
+    text += fmt::format("{} {} 1 2 3 0.71", n + 1, relief.at(n % relief.points.size()));
+    for (std::size_t k = 0; k < track(n); ++k) text += fmt::format(" {} {}", k + 1, 17 * k);
+    text += '\n';
+  }
+  ReadOptions options;
+  options.fields = {"error", "track_length"};
+  for (const bool named : {true, false}) {
+    const RawScan scan = read_scan_bytes(named ? text : text.substr(text.find('\n') + 1), "points3D.txt", options);
+    ASSERT_EQ(scan.points.size(), 1400U);
+    if (!named) continue;  // the first rows do not tell
+    EXPECT_THAT(scan.warnings, IsEmpty());
+    EXPECT_THAT(scan.notes, ElementsAre(HasSubstr("COLMAP")));
+    for (std::size_t n = 0; n < 1400; ++n) {
+      ASSERT_EQ(scan.values[0][n], 0.71F);
+      ASSERT_EQ(scan.values[1][n], static_cast<float>(track(n))) << n;
+    }
+  }
+  const RawScan unnamed = read_scan_bytes(colmap(relief, ""), "points3D.txt", options);
+  EXPECT_EQ(unnamed.values[1][47], static_cast<float>(2 + 47 % 40));
+}
+
+TEST(TextTable, OfAFlatWallHasItsNormalsBehindColours) {
+  std::string text;
+  for (int k = 0; k < 100; ++k) text += fmt::format("{} {} 0.0 10 {} 30 0.000 0.100 0.995\n", 0.1 * k, 0.2 * k, k % 7);
+  const RawScan scan = read(text);
+  EXPECT_THAT(scan.fields, ElementsAre("x", "y", "z", "red", "green", "blue", "nx", "ny", "nz"));
+  ASSERT_EQ(scan.normals.size(), 100U);
+  EXPECT_EQ(scan.normals[5], Eigen::Vector3f(0.0F, 0.1F, 0.995F));
+}
+
 TEST(TextTable, WhoseFirstColumnCountsAllRowsHasItsPointsBehindIt) {
   const Relief relief;
   const auto counted = [&](const std::string& separator, const std::string& behind) {
