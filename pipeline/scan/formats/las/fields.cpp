@@ -1,5 +1,6 @@
 #include "pipeline/scan/formats/las/fields.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "pipeline/scan/cloud.h"
@@ -33,6 +34,7 @@ void add_standard(const Header& header, std::vector<PointField>& fields) {
     add("user_data", 17, ScalarType::u8);
     add("point_source_id", 20, ScalarType::u16);
     add("gps_time", 22, ScalarType::f64);
+    if (header.format == 8 || header.format == 10) add("infrared", 36, ScalarType::u16);
     return;
   }
   bits(sparsha::pipeline::PointField::kClass, 15, 0, header.minor > 0 ? 31 : 255);
@@ -82,14 +84,15 @@ struct Description {
   }
 };
 
-void add_extra(const Header& header, std::vector<PointField>& fields) {
+/// Returns the offset behind what is described.
+std::size_t add_extra(const Header& header, std::vector<PointField>& fields) {
   std::size_t at = header.extra_offset();
   for (const Record& record : header.records) {
     if (record.user != "LASF_Spec" || record.id != 4) continue;
     for (std::size_t k = 0; k + Description::kBytes <= record.data.size(); k += Description::kBytes) {
       const Description description{record.data.substr(k, Description::kBytes)};
       const std::size_t size = description.size();
-      if (size == 0 || size > header.record_size - at) return;
+      if (size == 0 || size > header.record_size - at) return at;
       const std::optional<ScalarType> type = description.scalar();
       if (type && !description.name().empty()) {
         PointField& field = fields.emplace_back();
@@ -103,8 +106,9 @@ void add_extra(const Header& header, std::vector<PointField>& fields) {
       }
       at += size;
     }
-    return;
+    return at;
   }
+  return at;
 }
 
 }  // namespace
@@ -115,6 +119,12 @@ double PointField::value(const char* point) const {
   const double number = load_scalar(at, type);
   if (no_data && number == *no_data) return std::numeric_limits<double>::quiet_NaN();
   return number * scale + bias;
+}
+
+std::size_t undescribed_bytes(const Header& header) {
+  std::vector<PointField> fields;
+  const std::size_t end = add_extra(header, fields);
+  return header.record_size - std::min(end, header.record_size);
 }
 
 std::vector<PointField> point_fields(const Header& header) {

@@ -30,4 +30,7 @@ struct PointField {
 /// By the format and the record of extra bytes, as far as that fits.
 [[nodiscard]] std::vector<PointField> point_fields(const Header& header);
 
+/// At the end of each record, of which no record of the header says what they are.
+[[nodiscard]] std::size_t undescribed_bytes(const Header& header);
+
 }  // namespace sparsha::pipeline::las

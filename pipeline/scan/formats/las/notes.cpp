@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
+#include "pipeline/scan/formats/las/fields.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline::las {
@@ -45,6 +48,16 @@ void add_broken_rules(const ScanFile& file, const Header& header, std::vector<st
                     " should have no number in the old place of the header, it has " + std::to_string(old));
 }
 
+/// What the points have and nobody reads.
+void add_unread(const Header& header, std::vector<std::string>& notes) {
+  if (header.format == 4 || header.format == 5 || header.format >= 9)
+    notes.emplace_back("LAS: wave packets, which are not read");
+  if (const std::size_t bytes = undescribed_bytes(header); bytes > 0) {
+    notes.push_back(fmt::format("LAS: {} byte{} behind each point, which the file does not describe, {} not read",
+                                bytes, bytes == 1 ? "" : "s", bytes == 1 ? "is" : "are"));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> notes_of(const ScanFile& file, const Header& header) {
@@ -57,6 +70,7 @@ std::vector<std::string> notes_of(const ScanFile& file, const Header& header) {
   add("LAS: system ", text_at(file.bytes.substr(kSystem, kField)));
   add("LAS: coordinates of ", reference_of(header));
   add_broken_rules(file, header, notes);
+  add_unread(header, notes);
   return notes;
 }
 

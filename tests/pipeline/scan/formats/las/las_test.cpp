@@ -308,5 +308,30 @@ TEST(LasReader, NotesNameSoftwareSystemAndReference) {
   EXPECT_THAT(folder.read("c.las", file.bytes()).notes, ::testing::ElementsAre("LAS: coordinates of NAD83 / zone 10"));
 }
 
+TEST(Las, NearInfraredIsAFieldAndWhatIsNotReadIsSaid) {
+  LasFile file;
+  file.minor = 4;
+  for (const int format : {8, 10}) {
+    file.format = format;
+    file.points.clear();
+    for (const int infrared : {7, 500, 65535}) {
+      std::string point = las_point(format, 1, 2, 3);
+      set(point, 36, static_cast<std::uint16_t>(infrared));
+      file.points.push_back(point);
+    }
+    ReadOptions options;
+    options.fields = {"infrared"};
+    const RawScan scan = read_scan_bytes(file.bytes(), "a.las", options);
+    EXPECT_THAT(scan.values.at(0), ::testing::ElementsAre(7.0F, 500.0F, 65535.0F)) << format;
+    EXPECT_EQ(std::ranges::count(scan.notes, "LAS: wave packets, which are not read"), format == 10 ? 1 : 0);
+  }
+  file = {};
+  file.points = {las_point(0, 1, 2, 3) + "abc"};
+  std::string bytes = file.bytes();
+  set(bytes, 105, std::uint16_t{23});
+  EXPECT_THAT(read_scan_bytes(bytes, "a.las").notes,
+              ::testing::ElementsAre("LAS: 3 bytes behind each point, which the file does not describe, are not read"));
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline
