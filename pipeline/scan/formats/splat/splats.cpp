@@ -22,6 +22,8 @@ void SplatSieve::decide() {
 }
 
 void SplatSieve::warn(RawScan& scan) const {
+  if (std::find(scan.notes.begin(), scan.notes.end(), kSplatNote) == scan.notes.end())
+    scan.notes.emplace_back(kSplatNote);
   if (faint_ + large_ == 0) return;
   scan.warnings.push_back(
       fmt::format("{} of {} splats are no surface and are counted as invalid: {} have an opacity below {}, {} an axis "

@@ -15,6 +15,10 @@ namespace sparsha::pipeline {
   return 0.5 + 0.28209479177387814 * constant_term;
 }
 
+/// What is said of every file of them.
+inline constexpr const char* kSplatNote =
+    "Gaussian splats: their centres, with the colour that all views share; how colours change with the view is not read";
+
 /// Takes away what training leaves between cameras and surface: splats that hardly show, and those far longer than
 /// others, which stand for sky and haze. What is no number is left to the writer.
 class SplatSieve {
@@ -36,6 +40,7 @@ class SplatSieve {
     ++seen_;
     return !faint && !large;
   }
+  /// Says what the points are, and what was left out.
   void warn(RawScan& scan) const;
 
  private:

@@ -122,6 +122,7 @@ void expect_sifted(const RawScan& scan, int steps) {
       EXPECT_NEAR(static_cast<int>(scan.rgba[i] >> 8 * k & 255), splat.colour[k], steps) << i;
     }
   }
+  EXPECT_THAT(scan.notes, ::testing::Contains(HasSubstr("Gaussian splats")));
   EXPECT_THAT(scan.warnings,
               ElementsAre(HasSubstr("2 of 43 splats are no surface and are counted as invalid: 1 have an "
                                     "opacity below 0.1, 1 an axis longer than 20 times")));
