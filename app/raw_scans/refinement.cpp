@@ -176,6 +176,8 @@ void Refinement::read(const std::vector<std::size_t>& batch, ThreadPool& pool) {
   std::vector<pipeline::OctreeScan::Points> read;
   try {
     read = scan.octree->read(in_scan, coarse_->origin_m, pool);
+  } catch (const Cancelled&) {
+    throw;
   } catch (const Error& error) {
     if (batch.size() > 1) {  // which of them it is
       for (const std::size_t n : batch) this->read({n}, pool);
