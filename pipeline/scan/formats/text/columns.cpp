@@ -223,7 +223,7 @@ TableColumns named_columns(const TableHeader& header, const HeaderPlace& place, 
   if (const int track = find(columns.fields, "track"); track > 0 && columns.fields.front() == "point3d_id")
     take_track(columns, track);
   label_fields(columns);
-  if (!place.exact && alike && !in_place && !header.gap) {
+  if (!place.exact && columns.track < 0 && alike && !in_place && !header.gap) {
     columns.warnings.push_back("the header names " + std::to_string(header.names.size()) + " columns, the rows have " +
                                std::to_string(columns.usual) + "; x, y and z are taken from " + place_text(columns));
   } else if (named.by_initials) {
