@@ -104,6 +104,44 @@ TEST(CloudPicture, PartOfThePointsAtOnceBecomesAllOfThemAtRest) {
   EXPECT_LT(different, static_cast<std::size_t>(detail.width * detail.height / 200));
 }
 
+TEST(CloudPicture, DetailIsDrawnWithTheCloudAndThePictureStaysUntilTheNextIsWhole) {
+  const PointView all = two_halves();
+  PointView red, blue;
+  for (std::size_t n = 0; n < all.points.size(); ++n) {
+    PointView& half = all.points[n].x() < 0.0F || n % 7 == 0 ? red : blue;
+    half.points.push_back(all.points[n]);
+    half.rgba.push_back(all.rgba[n]);
+  }
+  int expected = 0;
+  double spacing_m = 0.0;
+  {
+    CloudStudio whole(all);
+    expected = whole.shoot().find(whole.detail(), is_blue).count;
+    spacing_m = whole.workshop.points->spacing_m;
+  }
+  CloudStudio studio(std::move(red));
+  const Rect rect = studio.detail();
+  const int before = studio.shoot().find(rect, is_blue).count;
+  auto part = std::make_shared<PointView>(std::move(blue));
+  part->origin_m = studio.workshop.points->origin_m;
+  arrange(*part);
+  const auto detail = std::make_shared<PointDetail>();
+  detail->parts.push_back(part);
+  detail->points = part->points.size();
+  detail->spacing_m = spacing_m;
+  studio.workshop.status.detail = detail;
+  EXPECT_FALSE(studio.mode->rests()) << "there is news";
+  for (int k = 0; k < 400 && (k < 2 || !studio.mode->picture().complete()); ++k) {
+    const int blue_now = studio.shoot(1280, 720, false).find(rect, is_blue).count;
+    EXPECT_GE(blue_now, before) << "nothing vanishes meanwhile";
+  }
+  EXPECT_TRUE(studio.mode->picture().complete());
+  const int after = studio.shoot(1280, 720, false).find(rect, is_blue).count;
+  EXPECT_NEAR(after, expected, 0.02 * expected);
+  EXPECT_GT(after, before + 1000);
+  EXPECT_TRUE(studio.errors.empty());
+}
+
 TEST(CloudPicture, AtRestNothingIsDrawnUntilSomethingChanges) {
   CloudStudio studio(two_halves());
   const gl::Target target(640, 400, false);
