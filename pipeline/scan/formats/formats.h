@@ -1,7 +1,7 @@
 // The formats of scans: a line a format says how a file of it is told and what reads it. A new format is a folder (or a
 // pair of files) beside this one, its line in formats.cpp, a row in docs/formats.md, a name in tests/fuzz/scan_names.h
-// and a file in tests/support/wave_files.cpp, of which hostile files, seeds of the fuzzer and the bench are made. A test
-// names what is missing.
+// and a file in tests/support/wave_files.cpp, of which hostile files, seeds of the fuzzer and the bench are made. A
+// test names what is missing.
 #pragma once
 
 #include <array>

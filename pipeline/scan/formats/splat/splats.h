@@ -17,7 +17,8 @@ namespace sparsha::pipeline {
 
 /// What is said of every file of them.
 inline constexpr const char* kSplatNote =
-    "Gaussian splats: their centres, with the colour that all views share; how colours change with the view is not read";
+    "Gaussian splats: their centres, with the colour that all views share; how colours change with the view is not "
+    "read";
 
 /// Takes away what training leaves between cameras and surface: splats that hardly show, and those far longer than
 /// others, which stand for sky and haze. What is no number is left to the writer.
