@@ -101,8 +101,8 @@ double Governor::slow_period_s(double nominal_period_s) const noexcept {
   return std::max(nominal_period_s, recent_s > kAnotherRate * lasting_s ? recent_s : lasting_s);
 }
 
-double Governor::stiffness(double wish_n_per_m, double nominal_period_s) noexcept {
-  const double slow_s = slow_period_s(nominal_period_s);
+double Governor::stiffness(double wish_n_per_m, double nominal_period_s, double look_s) noexcept {
+  const double slow_s = std::max(slow_period_s(nominal_period_s), look_s);
   const double period_s = slow_s >= kJitter * nominal_period_s ? slow_s : nominal_period_s;
   const double pace_s = this->pace_s(nominal_period_s);
   const double limit = limit_n_per_m_ = stiffness_limit(limits_, period_s, delays_.p95_s(0.0));
@@ -159,7 +159,8 @@ GovernorOutput Governor::without_news(const GovernorInput& input) noexcept {
   if (held_n.squaredNorm() > gap_n_.squaredNorm()) gap_n_ = held_n;
   Vector3d next_n = Vector3d::Zero();
   const double last = commanded_n_[0].norm();
-  if (armed_ && gap_s_ < stale_after_s(pace_s(input.nominal_period_s)) && last > 0.0) {
+  const bool stale = !input.fresh && gap_s_ >= stale_after_s(pace_s(input.nominal_period_s));
+  if (armed_ && !stale && last > 0.0) {
     const double out_m_per_s = velocity().dot(commanded_n_[0]) / last;
     const double lost_n = input.stiffness_n_per_m * out_m_per_s * input.period_s;
     next_n = commanded_n_[0] * std::clamp(1.0 - lost_n / last, 0.0, 1.0);
@@ -356,7 +357,9 @@ GovernorOutput Governor::update(const GovernorInput& input) noexcept {
                       input.stiffness_n_per_m >= 0.0 && input.proxy_m.allFinite() && input.normal.allFinite();
   if (!finite) disarm();
   if (!finite || !(input.period_s > 0.0) || !(input.nominal_period_s > 0.0)) return forget();
-  if (!input.fresh) return without_news(input);
+  if (input.repeated && !repeats_) periods_ = {}, recent_periods_ = {};  // of repeats that were taken for looks
+  repeats_ = repeats_ || input.repeated;
+  if (!input.fresh || input.repeated) return without_news(input);
   pace_s_ = pace_s(input.nominal_period_s);
   jitters_ = slow_period_s(input.nominal_period_s) >= kJitter * pace_s_;
   count_free_time(input);

@@ -76,6 +76,7 @@ struct GovernorInput {
   double period_s = 0.001;          ///< since the last tick
   double nominal_period_s = 0.001;  ///< of the servo's plan
   bool fresh = true;                ///< the position is new and finite
+  bool repeated = false;            ///< and yet no news: what the device saw a look ago (LookMeter)
   bool contact = false;
   /// The surface may give way under a contact, or another one come: what the spring holds is not what the hand has put
   /// in, and the force is to become less before that is used up, and to come back as smoothly.
@@ -98,8 +99,8 @@ class Governor {
   [[nodiscard]] GovernorOutput update(const GovernorInput& input) noexcept;
   /// What the renderer may use of a wished stiffness now, N/m: no more than the measured loop bears and no more than
   /// the hand has shown to bear. In contact it falls within a few swings and rises only with the wish. Call before each
-  /// update().
-  [[nodiscard]] double stiffness(double wish_n_per_m, double nominal_period_s) noexcept;
+  /// update(). `look_s`: between two looks of a device that repeats without saying so; 0: there are no such.
+  [[nodiscard]] double stiffness(double wish_n_per_m, double nominal_period_s, double look_s = 0.0) noexcept;
   /// How long a tick of this loop lasts: as planned, or the median of the measured ones where the loop is steadily
   /// slower. All time constants count a tick as no more, so that a gap earns nothing: no growth of force, no free time,
   /// no credit. Of the ticks before this one.
@@ -175,6 +176,7 @@ class Governor {
   double unmeasured_s_ = 0.0;  // since the device told a delay
   double pace_s_ = 0.0;        // of this tick
   bool jitters_ = false;
+  bool repeats_ = false;  // the device was found to repeat
   SwingDetector swing_;
   LateLoop late_;
   double wish_n_per_m_ = -1.0;

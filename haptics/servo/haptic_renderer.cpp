@@ -171,6 +171,7 @@ GovernorInput HapticRenderer::governor_input(const DeviceSample& sample, const E
   input.period_s = record_.period_s;
   input.nominal_period_s = record_.nominal_period_s;
   input.fresh = sample.fresh;
+  input.repeated = repeated_;
   input.contact = found_.contact;
   input.gives_way = window_.object != nullptr;
   felt_n_ = force_n;
@@ -271,13 +272,14 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
   contact.level = static_cast<std::uint64_t>(surface_->level);
   contact.contact = found_.contact;
   contact.sticking = found_.sticking;
-  if (sample.fresh) event_ = events_.update(contact);  // a stale place says nothing about speed
+  const bool news = sample.fresh && !repeated_;
+  if (news) event_ = events_.update(contact);  // a stale place says nothing about speed
 
   const Eigen::Vector3d moved_m =
       found_.contact ? Eigen::Vector3d(surface_->scale * touched.travelled) : Eigen::Vector3d::Zero();
   GovernorInput input = governor_input(sample, surface_->scale * touched.away, force_n);
   add_effects(input, moved_m);
-  add_guide(input, touched.hip_m, sample.fresh);
+  add_guide(input, touched.hip_m, news);
   state.cues = effects_.cues().counts();
   state.away_m = away_m(touched.hip_m);
   const GovernorOutput output = governor_.update(input);
@@ -297,6 +299,7 @@ void HapticRenderer::render(const DeviceSample& sample) noexcept {
   if (output.saturated) state.flags |= kFlagSaturated;
   if (output.armed) state.flags |= kFlagArmed;
   if (!sample.fresh) state.flags |= kFlagStale;
+  if (repeated_) state.flags |= kFlagRepeated;
 }
 
 void HapticRenderer::update(const DeviceSample& sample, double nominal_period_s) noexcept {
@@ -317,7 +320,9 @@ void HapticRenderer::update(const DeviceSample& sample, double nominal_period_s)
     drag(sample.position_m);
     if (letting_go_) let_go(sample.position_m);
   }
-  stiffness_n_per_m_ = governor_.stiffness(wished_stiffness(), nominal_period_s);
+  unheard_s_ += record_.period_s;
+  repeated_ = sample.fresh && found_hand && looks_.repeats(sample.position_m, std::exchange(unheard_s_, 0.0));
+  stiffness_n_per_m_ = governor_.stiffness(wished_stiffness(), nominal_period_s, looks_.pace_s());
   const bool fault = std::exchange(fault_, false) || record_.period_s > nominal_period_s + options_.longest_gap_s;
   tick(sample, fault);
 }
@@ -325,6 +330,7 @@ void HapticRenderer::update(const DeviceSample& sample, double nominal_period_s)
 void HapticRenderer::replay(const DeviceSample& sample, const RecordedTick& recorded) noexcept {
   set_dragging((recorded.flags & kFlagDragged) != 0);
   placement_.reset();
+  repeated_ = (recorded.flags & kFlagRepeated) != 0;
   if (window_.object != nullptr && (recorded.flags & kFlagPlaced) != 0) release();
   if (window_.object != nullptr) object_.set_turn(recorded.turn);
   centre_m_ = recorded.centre_m;

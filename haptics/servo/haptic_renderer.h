@@ -12,6 +12,7 @@
 #include "haptics/device/device.h"
 #include "haptics/effects/effect_forces.h"
 #include "haptics/governor/governor.h"
+#include "haptics/governor/look_meter.h"
 #include "haptics/guide/guidance.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/servo/command.h"
@@ -83,6 +84,8 @@ class HapticRenderer {
   /// What lies between the nodes for the solver at work.
   [[nodiscard]] CellShape shape() const noexcept;
   [[nodiscard]] std::uint64_t faults() const noexcept { return faults_; }
+  /// Between two looks of a device that repeats positions without saying so; 0 for one that does not.
+  [[nodiscard]] double look_s() const noexcept { return looks_.pace_s(); }
   /// Ticks whose position was not a number.
   [[nodiscard]] std::uint64_t bad_positions() const noexcept { return bad_positions_; }
 
@@ -159,6 +162,9 @@ class HapticRenderer {
   ProxyUpdate found_;
   SwapFade fade_;
   EffectForces effects_;
+  LookMeter looks_;
+  bool repeated_ = false;   // the position of this tick was found to be that of a look before
+  double unheard_s_ = 0.0;  // since a sample that the device called fresh
   Guidance guidance_;
   std::optional<Guidance::Output> recorded_guide_;         // of a replay
   Eigen::Vector2d guided_at_m_ = Eigen::Vector2d::Zero();  // the centre in the last tick

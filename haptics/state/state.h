@@ -34,6 +34,7 @@ enum StateFlag : std::uint64_t {
   kFlagRim = 1U << 21,          ///< with kFlagFalls: after a felt rim
   kFlagAround = 1U << 22,       ///< a whole object is touched, from all sides
   kFlagPlaced = 1U << 23,       ///< the whole object was turned or moved, and let go of, before this tick
+  kFlagRepeated = 1U << 24,     ///< the device calls the position fresh, but it is that of a look before
 };
 
 /// What the guide does with the hand.

@@ -211,5 +211,34 @@ TEST(Servo, APositionThatNoHandCanHaveComeToEndsTheForceUntilTheHandHasBeenInThe
   EXPECT_EQ(servo.figures().jumps, 1U);
 }
 
+TEST(Servo, AFastHandThatIsSeenEveryTenthTickDoesNotJump) {
+  class Seldom final : public Device {
+   public:
+    [[nodiscard]] DeviceInfo info() const override {
+      DeviceInfo info;
+      info.name = "seldom";
+      info.fastest_m_per_s = 2.0;
+      return info;
+    }
+    // To and fro at half a metre a second; what was seen is repeated.
+    [[nodiscard]] DeviceSample read(double time_s, double) noexcept override {
+      const auto look = static_cast<int>(ticks_++ / 10);
+      const int place = look % 20 < 10 ? look % 10 : 10 - look % 10;
+      return sample_at({0.005 * place, 1e-5 * (look % 7), 0.02}, time_s);
+    }
+    void write(const Eigen::Vector3d&) noexcept override {}
+    void zero() noexcept override {}
+
+   private:
+    std::uint64_t ticks_ = 0;
+  } device;
+  Seqlock<State> state;
+  Servo servo(device, patient(), window_on(sparsha::test::flat_scene()), state, {}, nullptr);
+  servo.start();
+  ASSERT_TRUE(eventually([&] { return state.read().tick > 1000; }));
+  servo.stop();
+  EXPECT_LE(servo.figures().jumps, 4U) << "until the looks are known";
+}
+
 }  // namespace
 }  // namespace sparsha::haptics
