@@ -32,6 +32,8 @@ constexpr DeviceAdvice kLift{"device_lift", true};
 constexpr DeviceAdvice kShared{"device_shared", true};
 constexpr DeviceAdvice kNotSetUp{"device_not_set_up", true};
 constexpr DeviceAdvice kChanged{"device_changes_force", false};
+constexpr DeviceAdvice kTaken{"device_changes_force", true};
+constexpr double kNothing = 0.1;  // of a force, that arrives: nobody feels it
 
 /// Ours: x right, y up, z towards the person.
 Eigen::Vector3d to_device(const Eigen::Vector3d& service) { return {service.x(), service.z(), -service.y()}; }
@@ -243,7 +245,7 @@ class HaplyDevice final : public Device {
       else if (since(excited_) < kLift_s)
         advice = &kLift;
       else if (match_.differs())
-        advice = &kChanged;
+        advice = match_.share() < kNothing ? &kTaken : &kChanged;
     }
     advice_.store(advice, std::memory_order_relaxed);
   }

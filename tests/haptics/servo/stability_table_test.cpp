@@ -7,6 +7,7 @@
 #include <map>
 #include <vector>
 
+#include "haptics/device/falcon/falcon.h"
 #include "tests/support/touch_loop.h"
 
 namespace sparsha::test {
@@ -103,6 +104,35 @@ TEST(StabilityTable, BehindAServiceThatGatesForcesDampingKeepsHandsCalm) {
   EXPECT_GT(bare.reached_j, 2.0 * damped.reached_j) << "what the damping is for";
   std::printf("damped %.2f mJ, %.1f um; bare %.2f mJ, %.1f um\n", 1e3 * damped.reached_j, 1e6 * damped.swing_m,
               1e3 * bare.reached_j, 1e6 * bare.swing_m);
+}
+
+TEST(StabilityTable, AFalconsOwnLoopGivesAHandLittleWhateverItsFirmwareAdds) {
+  double worst_j = 0.0, free_j = 0.0;
+  for (const double told_s : {0.001, 0.0035})
+    for (const double more_s : {0.0, 0.001})
+      for (const double mass : {0.05, 0.5})
+        for (const double damping : {0.3, 2.0})
+          for (const bool stroke : {false, true}) {
+            TouchCase c;
+            c.ground = Ground::relief;
+            c.device = haptics::falcon::falcon_info({});
+            c.rate_hz = 950.0;
+            c.told_delay_s = told_s;
+            c.delay_s = told_s + more_s;
+            c.encoder_step_m = 50e-6;
+            c.mass_kg = mass;
+            c.damping_n_s_per_m = damping;
+            c.stroke = stroke;
+            const TouchResult result = touch(c, ground(c.ground));
+            EXPECT_LE(result.reached_j, kMost_j) << words(c);
+            const double swing_m = stroke ? 0.0 : result.swing_m;
+            EXPECT_LE(swing_m, kMostSteps * c.encoder_step_m) << words(c);
+            worst_j = std::max(worst_j, result.reached_j);
+            c.governed = false;
+            if (mass < 0.1 && damping < 1.0 && !stroke) free_j = std::max(free_j, touch(c, ground(c.ground)).reached_j);
+          }
+  EXPECT_GT(free_j, 1.0) << "what the governor has to prevent";
+  std::printf("at most %.2f mJ; without a governor %.0f mJ\n", 1e3 * worst_j, 1e3 * free_j);
 }
 
 /// The ways in which a tick can be lost.
