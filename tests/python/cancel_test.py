@@ -23,7 +23,7 @@ class CtrlC(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         warnings.simplefilter("ignore", sparsha.Warning)
-        cls.points = wave_points(600, 600, 0.0002)
+        cls.points = wave_points(500, 500, 0.0002)
         cls.cloud = sparsha.Cloud(cls.points)
         cls.block = {"grid": {"spacing_mm": 0.1}}
         cls.scene = sparsha.build(cls.cloud, config=cls.block)
@@ -95,14 +95,14 @@ class CtrlC(unittest.TestCase):
         self.assertLess(told["check"]["cloud_to_surface"]["rms_m"], 1e-4)
 
     def test_a_registration_ends(self):
-        clouds = [sparsha.Cloud(self.points[self.points[:, 0] < 0.08]), sparsha.Cloud(self.points[self.points[:, 0] > 0.04])]
+        clouds = [sparsha.Cloud(self.points[self.points[:, 0] < 0.07]), sparsha.Cloud(self.points[self.points[:, 0] > 0.03])]
         found = self.assert_ends_early(lambda told: sparsha.register(clouds, voxel_mm=0.3, progress=told))
         self.assertEqual(len(found["poses"]), 2)
 
     def test_a_trace_ends_and_its_renderer_goes_on(self):
-        t = np.arange(400000) / 1000
+        t = np.arange(250000) / 1000
         x0, y0, z0 = self.scene.origin
-        path = np.stack([x0 + 0.06 + 0.05 * np.sin(2.1 * t), y0 + 0.06 + 0.05 * np.sin(1.7 * t), z0 + 0.002 * np.sin(9 * t)], -1)
+        path = np.stack([x0 + 0.05 + 0.04 * np.sin(2.1 * t), y0 + 0.05 + 0.04 * np.sin(1.7 * t), z0 + 0.002 * np.sin(9 * t)], -1)
         renderer = sparsha.Renderer(self.scene)
         expected = renderer.trace(path)
         first = renderer.step(path[0])
@@ -114,7 +114,7 @@ class CtrlC(unittest.TestCase):
     def test_what_progress_raises_is_noted_too(self):
         def stop(stage, share):
             raise LookupError(stage)
-        path = np.zeros((400000, 3))
+        path = np.zeros((250000, 3))
         for _ in range(TRIES):
             with self.assertRaises(LookupError) as raised:
                 sparsha.Renderer(self.scene).trace(path, progress=stop)
