@@ -130,7 +130,7 @@ class HaplyDevice final : public Device {
     position_m_ = connection->position_m;
     velocity_m_per_s_.setZero();
     damping_n_s_per_m_ = connection->damping_n_s_per_m;
-    braked_ = shared_ = asked_ = fresh_ = false;
+    braked_ = shared_ = asked_ = fresh_ = nothing_arrives_ = false;
     commanded_n_ = before_n_ = Eigen::Vector3d::Zero();
     match_.clear();
     heard_ = next_ = Steady::now();
@@ -195,6 +195,9 @@ class HaplyDevice final : public Device {
     match_.see(commanded_n_, before_n_, state.force_n, -damping_n_s_per_m_ * velocity_m_per_s_,
                std::min(delay_s_, 0.01));
     if (match_.others()) shared_ = true;
+    // Said once, and not anew at each touch.
+    if (commanded_n_.norm() > ForceMatch::kFelt_n)
+      nothing_arrives_ = match_.share() < kNothing && (nothing_arrives_ || match_.differs());
   }
 
   /// As the service tells it; from its places where it does not.
@@ -244,8 +247,10 @@ class HaplyDevice final : public Device {
         advice = &kNotSetUp;
       else if (since(excited_) < kLift_s)
         advice = &kLift;
+      else if (nothing_arrives_)
+        advice = &kTaken;
       else if (match_.differs())
-        advice = match_.share() < kNothing ? &kTaken : &kChanged;
+        advice = &kChanged;
     }
     advice_.store(advice, std::memory_order_relaxed);
   }
@@ -266,6 +271,7 @@ class HaplyDevice final : public Device {
   double damping_n_s_per_m_ = 0.0;  ///< of the service
   bool braked_ = false;             ///< an emergency brake, or another thing that keeps the service from force
   bool shared_ = false;             ///< somebody else sends forces: until the next connection
+  bool nothing_arrives_ = false;    ///< of the last force that could be felt
   bool set_up_ = false;
   bool calm_ = true;              ///< nothing has happened in this tick after which a hand must begin anew
   Steady::time_point excited_{};  ///< when something had
