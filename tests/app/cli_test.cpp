@@ -251,6 +251,8 @@ TEST_F(Program, WithoutADisplayAutoIsADeviceErrorThatNamesTheChoices) {
   }
   EXPECT_EQ(run("explore a.ply --device pointer --headless").code, 4);
   EXPECT_EQ(run("explore a.ply --device glove --headless").code, 2);
+  EXPECT_EQ(run("explore a.ply --device simulated --headless --memory 1KB").code, 2);
+  EXPECT_EQ(run("explore a.ply --device simulated --headless --memory much").code, 2);
 }
 
 TEST_F(Program, AnExhibitionNeedsNoSceneOfItsOwn) {
