@@ -11,6 +11,7 @@
 #include "base/files/files.h"
 #include "base/numbers/statistics.h"
 #include "base/text/csv.h"
+#include "base/threads/progress.h"
 #include "haptics/proxy/rest_residual.h"
 
 namespace sparsha::haptics {
@@ -76,7 +77,7 @@ TraceRecorder::TraceRecorder(std::size_t rows, Progress* progress) : expected_(r
   residuals_.reserve(rows);
 }
 
-void TraceRecorder::add(TraceRow row, const MongeSurface& surface, const ProxyUpdate& found,
+void TraceRecorder::add(const TraceRow& row, const MongeSurface& surface, const ProxyUpdate& found,
                         const Eigen::Vector3d& hip_local_m, CellShape shape) {
   add(row, found.unfinished);
   if (!row.contact) return;

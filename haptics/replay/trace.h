@@ -11,9 +11,12 @@
 
 #include <Eigen/Core>
 
-#include "base/threads/progress.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/surface/monge_surface.h"
+
+namespace sparsha {
+class Progress;
+}
 
 namespace sparsha::haptics {
 
@@ -83,8 +86,8 @@ class TraceRecorder {
   explicit TraceRecorder(std::size_t rows, Progress* progress = nullptr);
 
   /// `row.tick_ns` as measured; `found` on `surface` for the hand at `hip_local_m`.
-  void add(TraceRow row, const MongeSurface& surface, const ProxyUpdate& found, const Eigen::Vector3d& hip_local_m,
-           CellShape shape);
+  void add(const TraceRow& row, const MongeSurface& surface, const ProxyUpdate& found,
+           const Eigen::Vector3d& hip_local_m, CellShape shape);
   /// The same without a rest to be judged: the proxy is free, or in a crease between two surfaces.
   void add(TraceRow row, bool unfinished);
   [[nodiscard]] TraceResult finish() &&;

@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.h"
+#include "base/threads/progress.h"
 #include "tests/support/rest_oracle.h"
 #include "tests/support/surfaces.h"
 
