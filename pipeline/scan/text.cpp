@@ -184,6 +184,8 @@ std::string in_quotes(std::string_view word) {
 
 bool has_translated_line_ends(std::string_view bytes) {
   constexpr std::size_t kEnough = 16;
+  constexpr std::size_t kLook = std::size_t{1} << 24U;  // one byte in 256 of numbers is a line feed
+  bytes = bytes.substr(0, kLook);
   std::size_t found = 0;
   for (std::size_t at = bytes.find('\n'); at != std::string_view::npos; at = bytes.find('\n', at + 1)) {
     if (at == 0 || bytes[at - 1] != '\r') return false;
