@@ -2,7 +2,7 @@
 """Reads every ELF file below some folders and names those that load libraries from where a stranger may put them, or
 that lack the guards that all our objects have.
 
-check-binaries.py [--hardened] FOLDER...
+check-binaries.py [--hardened] [--commands FILE] [--with NAME]... FOLDER...
 
 A program's RUNPATH is a list of folders between colons. An empty element is the present folder and a relative one lies
 below it, so that whoever runs the program in a folder of scans runs that folder's libraries; an absolute one names a
@@ -10,9 +10,15 @@ folder of the machine that built it. Only $ORIGIN, the program's own folder, and
 
 --hardened: programs and libraries are also position-independent, with all symbols bound at start and their tables
 read-only afterwards (full RELRO), and objects (.o) are marked for control-flow enforcement (IBT, SHSTK).
+--commands: the compiler's commands (compile_commands.json). Each has _FORTIFY_SOURCE=2, with the optimisation that makes
+it more than a word, and a program named sparsha calls at least one of the C library's checked functions.
+--with: a file of this name must be among those that are read.
 """
+import argparse
+import json
 import pathlib
 import re
+import shlex
 import subprocess
 import sys
 
@@ -52,27 +58,54 @@ def faults_of_guards(text):
         yield "it is linked without full RELRO (-z relro -z now)"
 
 
+def faults_of_commands(file):
+    """Of how each source is compiled; what stands last counts."""
+    for entry in json.loads(file.read_text(encoding="utf-8")):
+        words = entry.get("arguments") or shlex.split(entry["command"])
+        fortified = [word for word in words if re.match(r"-[DU]_FORTIFY_SOURCE", word)]
+        optimised = [word for word in words if re.match(r"-O", word)]
+        if not fortified or fortified[-1] != "-D_FORTIFY_SOURCE=2":
+            yield f"{entry['file']}: it is not compiled with _FORTIFY_SOURCE=2"
+        elif not optimised or optimised[-1] == "-O0":
+            yield f"{entry['file']}: _FORTIFY_SOURCE=2 does nothing without optimisation"
+
+
+def calls_checked_functions(path):
+    text = subprocess.run(["readelf", "--dyn-syms", "-W", str(path)], capture_output=True, text=True, check=False).stdout
+    return re.search(r"UND __\w+_chk\b", text) is not None
+
+
 def main():
-    arguments = sys.argv[1:]
-    hardened = "--hardened" in arguments
-    folders = [pathlib.Path(a) for a in arguments if a != "--hardened"]
-    if not folders:
-        sys.exit(__doc__)
-    files = sorted({path for folder in folders for path in folder.rglob("*")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--hardened", action="store_true")
+    parser.add_argument("--commands", type=pathlib.Path)
+    parser.add_argument("--with", dest="needed", action="append", default=[])
+    parser.add_argument("folders", nargs="+", type=pathlib.Path)
+    asked = parser.parse_args()
+    files = sorted({path for folder in asked.folders for path in folder.rglob("*")
                     if path.is_file() and not path.is_symlink() and is_elf(path)})
     objects = [path for path in files if path.suffix == ".o"]
     linked = [path for path in files if path.suffix != ".o"]
     if not linked:
-        sys.exit("error: no program or library in " + ", ".join(map(str, folders)))
+        sys.exit("error: no program or library in " + ", ".join(map(str, asked.folders)))
     faults = []
     for path, text in zip(linked, readelf(linked, "-hdlW")):
         faults += [f"{path}: {fault}" for fault in faults_of_path(text)]
-        if hardened:
+        if asked.hardened:
             faults += [f"{path}: {fault}" for fault in faults_of_guards(text)]
-    if hardened:
+    if asked.hardened:
         for path, text in zip(objects, readelf(objects, "-nW")):
             if not re.search(r"x86 feature: IBT, SHSTK", text):
                 faults.append(f"{path}: it is not marked for control-flow enforcement (-fcf-protection=full)")
+    for name in asked.needed:
+        named = [path for path in files if path.name == name]
+        if not named:
+            faults.append(f"{name}: it is not among the files that were read")
+    if asked.commands:
+        faults += faults_of_commands(asked.commands)
+        programs = [path for path in linked if path.name == "sparsha"]
+        faults += [f"{path}: it calls none of the C library's checked functions (__*_chk)" for path in programs
+                   if not calls_checked_functions(path)]
     for fault in faults:
         print("error: " + fault, file=sys.stderr)
     print(f"{len(linked)} programs and libraries and {len(objects)} objects read, {len(faults)} faults")

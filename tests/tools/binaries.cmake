@@ -1,5 +1,6 @@
 # Every binary of the build tree and every installed one, read by tools/check-binaries.py.
-# cmake -DBUILD=... -DSOURCE=... -DPYTHON=... [-DGUARDS=HARDENED] -DWORK=... -P binaries.cmake
+# cmake -DBUILD=... -DSOURCE=... -DPYTHON=... [-DGUARDS=HARDENED] [-DCOMMANDS=FILE] [-DMODULES=NAME,NAME] -DWORK=... -P binaries.cmake
+# MODULES: libraries and objects that must be among what is read.
 file(REMOVE_RECURSE ${WORK})
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --component program --prefix ${WORK}/prefix
   COMMAND_ERROR_IS_FATAL ANY OUTPUT_QUIET)
@@ -10,7 +11,14 @@ endif()
 if(GUARDS)
   set(flags --hardened)
 endif()
-file(GLOB folders ${BUILD}/*/CMakeFiles ${BUILD}/*/*/CMakeFiles)
+if(COMMANDS)
+  list(APPEND flags --commands ${COMMANDS})
+endif()
+string(REPLACE "," ";" modules "${MODULES}")
+foreach(module ${modules})
+  list(APPEND flags --with ${module})
+endforeach()
+file(GLOB folders ${BUILD}/*/CMakeFiles ${BUILD}/*/*/CMakeFiles ${BUILD}/*/*/*/CMakeFiles)
 list(FILTER folders EXCLUDE REGEX "/[a-z]+-test/")  # of programs that use the package: not ours
 foreach(name bin lib python tests)
   if(EXISTS ${BUILD}/${name})

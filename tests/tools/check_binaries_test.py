@@ -1,4 +1,5 @@
 """Programs with one fault each: tools/check-binaries.py names it, and passes the one without."""
+import json
 import pathlib
 import subprocess
 import sys
@@ -21,6 +22,16 @@ CASES = [
     (["-Wl,-z,lazy"], "without full RELRO"),
     (["-Wl,-z,norelro"], "without full RELRO"),
     (["-no-pie"], "not position-independent"),
+]
+# How a source is compiled, and what is said of that.
+COMMANDS = [
+    ("-O3 -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2", ""),
+    ("-O3 -D_FORTIFY_SOURCE=2 -O1", ""),
+    ("-O3", "not compiled with _FORTIFY_SOURCE=2"),
+    ("-O3 -D_FORTIFY_SOURCE=2 -U_FORTIFY_SOURCE", "not compiled with _FORTIFY_SOURCE=2"),
+    ("-O3 -D_FORTIFY_SOURCE=1", "not compiled with _FORTIFY_SOURCE=2"),
+    ("-D_FORTIFY_SOURCE=2", "does nothing"),
+    ("-O3 -D_FORTIFY_SOURCE=2 -O0", "does nothing"),
 ]
 
 
@@ -65,6 +76,26 @@ def main():
         expect(code == 1 and "control-flow" in said, "an object without marks", said)
         code, said = run(name)
         expect(code == 0, "guards that nobody asked for", said)
+
+        code, said = run("--with", "program", name)
+        expect(code == 0, "a program that is there", said)
+        code, said = run("--with", "libmissing.so", name)
+        expect(code == 1 and "libmissing.so: it is not among" in said, "a library that is not read", said)
+
+        commands = folder / "commands.json"
+        for flags, expected in COMMANDS:
+            entry = {"directory": name, "file": "main.cpp", "command": f"c++ {flags} -c main.cpp"}
+            commands.write_text(json.dumps([entry]), encoding="utf-8")
+            code, said = run("--commands", str(commands), name)
+            right = code == 1 and said.count("error: ") == 1 and expected in said if expected else code == 0
+            expect(right, f"compiled with '{flags}', not '{expected}'", said)
+        commands.write_text("[]", encoding="utf-8")
+        for call, holds in (("0", False), ("memcpy(to, from, size)", True)):
+            source.write_text("#include <cstring>\nchar to[8];\nint main(int size, char** v) { const char* from = v[0]; "
+                              f"(void)from; (void)size; return ({call}) != 0; }}\n", encoding="utf-8")
+            build(["-O2", "-U_FORTIFY_SOURCE", "-D_FORTIFY_SOURCE=2"], "sparsha")
+            code, said = run("--commands", str(commands), name)
+            expect((code == 0) == holds and ("checked functions" in said) != holds, f"a program of {call}", said)
     return 1 if failures else 0
 
 
