@@ -51,9 +51,12 @@ class TriangleSink {
 /// A closed surface has half as many vertices as triangles.
 std::uint64_t vertices_of(std::uint64_t triangles) { return triangles / 2 + 2; }
 
-std::uint64_t count_loops(std::string_view text) {
+std::uint64_t count_loops(const ScanFile& file) {
   std::uint64_t count = 0;
-  for (std::size_t at = text.find("endloop"); at != std::string_view::npos; at = text.find("endloop", at + 7)) ++count;
+  const std::string_view text = file.bytes;
+  for (std::size_t at = text.find("endloop"); at != std::string_view::npos; at = text.find("endloop", at + 7)) {
+    if ((++count & 0xFFFF) == 0) file.done_before(at);
+  }
   return count;
 }
 
@@ -92,6 +95,7 @@ void read_binary(const ScanFile& file, ScanWriter& out) {
       corners[k] = sink.vertex(load<float>(v), load<float>(v + 4), load<float>(v + 8));
     }
     sink.triangle(corners);
+    if ((i & 0xFFFF) == 0xFFFF) file.done_before(static_cast<std::size_t>(p - file.bytes.data()));
   }
 }
 
@@ -99,7 +103,7 @@ void read_ascii(const ScanFile& file, ScanWriter& out) {
   out.scan().format = "STL ascii";
   out.begin(0, false, false);
   if (out.may_refuse()) {
-    const std::uint64_t count = count_loops(file.bytes);
+    const std::uint64_t count = count_loops(file);
     out.expect_mesh(vertices_of(count), count);
   }
   TriangleSink sink(out);
@@ -110,7 +114,12 @@ void read_ascii(const ScanFile& file, ScanWriter& out) {
   bool in_loop = false;
   int solids = 0;
   bool any = false;
+  std::size_t told = 0;
   while (lines.next(line)) {
+    if (lines.offset() - told > (1U << 22)) {
+      told = lines.offset();
+      file.done_before(told - line.size() - 1);
+    }
     std::string_view rest = line;
     const std::string word = lower_case(take_word(rest));
     if (word == "solid") {

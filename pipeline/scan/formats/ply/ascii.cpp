@@ -82,6 +82,7 @@ class RecordParser {
 
 void next_record(const ScanFile& file, LineReader& lines, const Element& element, std::uint64_t i,
                  std::string_view& line) {
+  if ((i & 0xFFFF) == 0xFFFF) file.done_before(lines.offset() - 1);
   do {
     if (!lines.next(line)) {
       throw file.error_at(lines.number(),
