@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "pipeline/scan/named_file.h"
 #include "pipeline/suggest/suggest.h"
 #include "scene/config/override.h"
 #include "scene/folder/folder.h"
@@ -47,12 +48,21 @@ scene::Config config_from(const std::vector<std::string>& arguments, const std::
   return scene::parse_config(root, {});
 }
 
+void refuse_folder(const fs::path& folder) {
+  const std::string scans = pipeline::scans_in(folder);
+  throw input_error(folder.string(), "there is no scene.yaml in it",
+                    "a scene folder written by sparsha build" +
+                        (scans.empty() ? std::string() : ", or the scans in it by their names: " + scans));
+}
+
 scene::ScenePointer scene_from(const std::vector<std::string>& arguments, scene::Trust trust, Progress& progress) {
   std::error_code code;
   for (const std::string& argument : arguments) {
     const bool folder = fs::is_directory(argument, code);
     if (folder && arguments.size() > 1) throw usage_error("a scene and something else", "one SCENE, or SCANs only");
+    if (folder && !fs::exists(fs::path(argument) / "scene.yaml", code)) refuse_folder(argument);
     if (folder) return scene::open_scene(argument, trust);
+    pipeline::require_file_name(argument);
     if (!fs::exists(argument, code)) {
       throw input_error(argument, "no such file or folder", "a scene folder, a configuration or scans");
     }

@@ -43,6 +43,9 @@ auto blaming_scans(const std::vector<std::string>& arguments, const std::vector<
 /// The scene that a configuration describes besides: its folder, or empty for another file.
 [[nodiscard]] std::filesystem::path scene_described_by(const std::filesystem::path& config);
 
+/// Throws Error{input} of a folder without a scene, with the scans in it by their names.
+[[noreturn]] void refuse_folder(const std::filesystem::path& folder);
+
 /// A scene folder is opened; a configuration or scans are built in memory. Throws Error{usage} for several arguments
 /// that are not scans.
 [[nodiscard]] scene::ScenePointer scene_from(const std::vector<std::string>& arguments, scene::Trust trust,

@@ -12,6 +12,7 @@
 #include "app/commands/commands.h"
 #include "app/commands/point_fields.h"
 #include "app/commands/sentences.h"
+#include "app/inputs.h"
 #include "app/terminal/terminal.h"
 #include "base/files/files.h"
 #include "base/text/text.h"
@@ -194,50 +195,85 @@ std::vector<std::pair<std::size_t, std::string>> doubts_between(const std::vecto
   return doubts;
 }
 
-int run_info(const std::vector<std::string>& files, const CommonOptions& common) {
-  Terminal terminal(common);
-  Json all = Json::array();
-  std::string text;
-  std::vector<pipeline::ScanSize> sizes;
-  std::vector<std::size_t> place;  // of each of them, in `all`
-  for (const std::string& file : files) {
-    terminal.progress().throw_if_cancelled();
-    std::error_code code;
-    if (fs::is_directory(file, code)) {
-      const scene::ScenePointer scene = scene::open_scene(file, common.trusted());
-      if (common.json) {
-        all.push_back(scene_json(file, scene->description()));
-      } else {
-        text += common.plain ? scene_sentences(file, scene->description()) : scene_text(file, scene->description());
-        if (const auto scattered = common.plain ? scattered_of(file) : std::nullopt; scattered.value_or(0) > 0)
-          text += scattered_sentence(*scattered);
-      }
-      continue;
+/// Says what is in some files, one after the other.
+class Inspection {
+ public:
+  explicit Inspection(const CommonOptions& common) : common_(common), terminal_(common) {}
+
+  /// A file that is no scan is told of beside the others.
+  void look(const std::string& file, bool alone) {
+    terminal_.progress().throw_if_cancelled();
+    try {
+      std::error_code code;
+      fs::is_directory(file, code) ? look_at_scene(file) : look_at_scan(file);
+    } catch (const Error& error) {
+      if (alone || error.kind() != ErrorKind::input) throw;
+      end_progress_line();
+      print_error(error.what());
+      code_ = static_cast<int>(error.kind());
+      if (common_.json) all_.push_back({{"file", fs::path(file).generic_string()}, {"error", error.what()}});
     }
+  }
+
+  [[nodiscard]] int tell(bool alone) {
+    for (const auto& [scan, doubt] : doubts_between(sizes_)) {
+      if (common_.json) all_[place_[scan]]["warnings"].push_back(doubt);
+      text_ +=
+          common_.plain ? fmt::format("There is a warning: {}.\n", doubt) : fmt::format("warning       {}\n", doubt);
+    }
+    if (common_.json) {
+      print((alone ? all_.front() : all_).dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    } else if (!text_.empty()) {
+      print(text_);
+    }
+    return code_;
+  }
+
+ private:
+  void look_at_scene(const std::string& folder) {
+    std::error_code code;
+    if (!fs::exists(fs::path(folder) / "scene.yaml", code)) refuse_folder(folder);
+    const scene::ScenePointer scene = scene::open_scene(folder, common_.trusted());
+    if (common_.json) {
+      all_.push_back(scene_json(folder, scene->description()));
+      return;
+    }
+    text_ += common_.plain ? scene_sentences(folder, scene->description()) : scene_text(folder, scene->description());
+    if (const auto scattered = common_.plain ? scattered_of(folder) : std::nullopt; scattered.value_or(0) > 0)
+      text_ += scattered_sentence(*scattered);
+  }
+
+  void look_at_scan(const std::string& file) {
     std::uint64_t scattered = 0;
     const pipeline::ScanInfo info =
-        pipeline::inspect_scan(file, &terminal.progress(), [&](const auto& points, double unit_m) {
+        pipeline::inspect_scan(file, &terminal_.progress(), [&](const auto& points, double unit_m) {
           ThreadPool pool;
           scattered = pipeline::count_scattered(points, unit_m, pool);
         });
-    sizes.emplace_back(file, info.sample_m, info.points - info.invalid, info.units != "unknown");
-    place.push_back(all.size());
-    if (common.json) {
-      all.push_back(scan_json(file, info));
-      if (scattered > 0) all.back()["scattered"] = scattered;
+    sizes_.emplace_back(file, info.sample_m, info.points - info.invalid, info.units != "unknown");
+    place_.push_back(all_.size());
+    if (common_.json) {
+      all_.push_back(scan_json(file, info));
+      if (scattered > 0) all_.back()["scattered"] = scattered;
     } else {
-      text += common.plain ? scan_sentences(file, info) : scan_text(file, info);
-      if (scattered > 0) text += common.plain ? scattered_sentence(scattered) : scattered_line(scattered);
+      text_ += common_.plain ? scan_sentences(file, info) : scan_text(file, info);
+      if (scattered > 0) text_ += common_.plain ? scattered_sentence(scattered) : scattered_line(scattered);
     }
   }
-  for (const auto& [scan, doubt] : doubts_between(sizes)) {
-    if (common.json) all[place[scan]]["warnings"].push_back(doubt);
-    text += common.plain ? fmt::format("There is a warning: {}.\n", doubt) : fmt::format("warning       {}\n", doubt);
-  }
-  print(common.json
-            ? (files.size() == 1 ? all.front() : all).dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
-            : text);
-  return 0;
+
+  const CommonOptions& common_;
+  Terminal terminal_;
+  Json all_ = Json::array();
+  std::string text_;
+  std::vector<pipeline::ScanSize> sizes_;
+  std::vector<std::size_t> place_;  // of each of them, in `all_`
+  int code_ = 0;
+};
+
+int run_info(const std::vector<std::string>& files, const CommonOptions& common) {
+  Inspection inspection(common);
+  for (const std::string& file : files) inspection.look(file, files.size() == 1);
+  return inspection.tell(files.size() == 1);
 }
 
 }  // namespace

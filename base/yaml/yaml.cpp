@@ -271,8 +271,9 @@ std::vector<double> to_doubles(const Node& node, std::size_t count) {
   return values;
 }
 
-MapReader::MapReader(const Node& node, std::string what) : node_(node), what_(std::move(what)) {
-  if (!node.is_map()) throw error_at(node, what_ + " is " + kind_name(node), "a block of keys");
+MapReader::MapReader(const Node& node, std::string what, const std::string& expected)
+    : node_(node), what_(std::move(what)) {
+  if (!node.is_map()) throw error_at(node, what_ + " is " + kind_name(node), expected);
 }
 
 const Node* MapReader::optional(std::string_view key) {

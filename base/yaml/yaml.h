@@ -60,7 +60,7 @@ struct Entry {
 class MapReader {
  public:
   /// `what` names the map in messages, e.g. "friction". Throws when the node is not a map.
-  MapReader(const Node& node, std::string what);
+  MapReader(const Node& node, std::string what, const std::string& expected = "a block of keys");
 
   /// The value or null; marks the key as known.
   const Node* optional(std::string_view key);

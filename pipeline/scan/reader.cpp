@@ -8,6 +8,7 @@
 #include "pipeline/scan/file.h"
 #include "pipeline/scan/foreign.h"
 #include "pipeline/scan/formats/formats.h"
+#include "pipeline/scan/named_file.h"
 #include "pipeline/scan/read_bytes.h"
 #include "pipeline/scan/text.h"
 #include "pipeline/scan/writer.h"
@@ -81,17 +82,20 @@ RawScan read_into(const std::string& name, std::string_view bytes, const MappedF
 }  // namespace
 
 RawScan read_scan(const std::filesystem::path& file, const Progress* progress, const ReadOptions& options) {
+  require_file_name(file);
   const MappedFile map(file);
   return map.whole([&] { return read_into(file.string(), map.text(), nullptr, {}, progress, options); });
 }
 
 RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink, const Progress* progress,
                     const ReadOptions& options) {
+  require_file_name(file);
   const MappedFile map(file);
   return map.whole([&] { return read_into(file.string(), map.text(), &map, sink, progress, options); });
 }
 
 bool is_quick_to_stream(const std::filesystem::path& file) {
+  require_file_name(file);
   const MappedFile map(file);
   ScanFile scan;
   scan.bytes = map.text().substr(byte_order_mark(map.text()));
@@ -101,6 +105,7 @@ bool is_quick_to_stream(const std::filesystem::path& file) {
 }
 
 bool may_hold_faces(const std::filesystem::path& file) {
+  require_file_name(file);
   const MappedFile map(file);
   ScanFile scan;
   scan.extension = ending_of(file.string());

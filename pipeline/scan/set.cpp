@@ -12,6 +12,7 @@
 #include "pipeline/scan/doubts.h"
 #include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/empty_scan.h"
+#include "pipeline/scan/named_file.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/pieces.h"
 #include "pipeline/scan/placement.h"
@@ -68,6 +69,7 @@ class FieldBuffer {
 /// Read piece by piece: a mapped file would count as memory of this process.
 std::string digest_of(const std::filesystem::path& file, const std::atomic<bool>& abandoned) {
   // Opening a named pipe would wait for somebody who writes to it.
+  require_file_name(file);
   if (!std::filesystem::is_regular_file(file)) throw input_error(file.string(), "this is not a regular file", "a scan");
   Sha256 digest;
   std::vector<char> buffer(1U << 18U);

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "base/text/utf8.h"
+#include "pipeline/scan/look_alikes.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -165,6 +166,7 @@ std::string_view take_word(std::string_view& text) {
 
 std::string in_quotes(std::string_view word) {
   constexpr std::size_t kLongest = 32;
+  const bool number = are_numbers_but_for_look_alikes(word);
   std::string result = "'";
   std::size_t shown = 0;
   for (; shown < kLongest && !word.empty(); ++shown) {
@@ -172,7 +174,7 @@ std::string in_quotes(std::string_view word) {
     if (c.code >= ' ' && c.code < 127 && c.bytes == 1) {
       result += word.front();
     } else if (c.bytes > 1) {
-      result += is_letter(c.code) ? std::string(word.substr(0, c.bytes)) : code_of(c.code);
+      result += is_letter(c.code) && !number ? std::string(word.substr(0, c.bytes)) : code_of(c.code);
     } else {
       result += '?';
     }

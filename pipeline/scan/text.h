@@ -22,7 +22,7 @@ namespace sparsha::pipeline {
 /// The next word between blanks, taken off the front of `text`; empty at the end.
 [[nodiscard]] std::string_view take_word(std::string_view& text);
 /// A word as it may stand in a message: at most 32 characters, unprintable ones replaced, and those beyond letters that
-/// are not ASCII by their code: a minus sign of typesetters is '<U+2212>'.
+/// are not ASCII by their code: a minus sign of typesetters is '<U+2212>'. In numbers letters are shown so, too.
 [[nodiscard]] std::string in_quotes(std::string_view word);
 /// A name for messages, at most 64 characters: what control characters would do to a terminal is nobody's business.
 [[nodiscard]] std::string printable(std::string_view text);

@@ -147,7 +147,7 @@ std::vector<std::string> parse_columns(const Node& node) {
 
 ScanConfig parse_scan(const Node& node, const std::filesystem::path& folder) {
   ScanConfig scan;
-  MapReader reader(node, "a scan");
+  MapReader reader(node, "a scan", "a block of keys for each file: '- file: NAME', without patterns");
   scan.file = resolved(reader.required("file"), folder);
   if (const Node* units = reader.optional("units")) scan.units = parse_units(*units);
   if (const Node* pose = reader.optional("pose")) scan.pose = parse_pose(*pose);

@@ -177,7 +177,8 @@ std::optional<HeaderPlace> place_header(const TableHeader& header, const std::ve
     place.ambiguous = more > 0 && !same_separator && fits_moved && std::any_of(sample.begin(), sample.end(), names_row);
     return place;
   }
-  if (!fits_moved) return std::nullopt;
+  // A few damaged rows are no reason to look for the coordinates in other columns.
+  if (!fits_moved || are_coordinates(sample, xyz, kDamagedRows)) return std::nullopt;
   place.shift = more;
   return place;
 }

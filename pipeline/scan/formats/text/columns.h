@@ -40,6 +40,9 @@ struct TableColumns {
 [[nodiscard]] TableColumns configured_columns(const std::vector<std::string>& words,
                                               const std::vector<TableRow>& sample);
 
+/// Share of rows that may be wrong below a header that is right.
+inline constexpr double kDamagedRows = 0.1;
+
 /// Where a header's names are right above their values, or moved by names of several words or a column without a name.
 struct HeaderPlace {
   int shift = 0;           ///< columns to the right

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pipeline/scan/formats/text/row_style.h"
+#include "pipeline/scan/look_alikes.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
@@ -71,6 +72,10 @@ class Collector {
   }
 
   void header_line(std::string_view line, int number, RowKind kind) {
+    if (kind == RowKind::words && are_numbers_but_for_look_alikes(line)) {
+      throw file_.error_at(number, in_quotes(line) + " is not a row of numbers",
+                           "digits, signs, points and blanks of ASCII");
+    }
     if (kind == RowKind::words && head_.first_words == 0) {
       head_.first_words = number;
       head_.words = line;

@@ -30,7 +30,7 @@ struct TableHead {
 /// A line with nothing but one whole number: how many rows follow.
 [[nodiscard]] bool is_count(const TableRow& row);
 
-/// Throws Error{input} on separators of thousands.
+/// Throws Error{input} on separators of thousands, and on rows with characters that only look like a number's.
 [[nodiscard]] TableHead read_head(const ScanFile& file);
 
 }  // namespace sparsha::pipeline

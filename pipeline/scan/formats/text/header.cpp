@@ -16,6 +16,17 @@ void trim(std::string& text) {
   text.erase(0, static_cast<std::size_t>(skip_blanks(text.data(), text.data() + text.size()) - text.data()));
 }
 
+/// A name that is one letter of another alphabet, or a wide one, which looks like that of an axis, is meant as that.
+void make_latin(std::string& name) {
+  constexpr std::pair<std::string_view, char> kLetters[] = {
+      {"\u0445", 'x'}, {"\u0425", 'x'}, {"\u03c7", 'x'}, {"\u03a7", 'x'}, {"\uff58", 'x'}, {"\uff38", 'x'},
+      {"\u0443", 'y'}, {"\u0423", 'y'}, {"\u03c5", 'y'}, {"\u03a5", 'y'}, {"\uff59", 'y'}, {"\uff39", 'y'},
+      {"\u0396", 'z'}, {"\u03b6", 'z'}, {"\uff5a", 'z'}, {"\uff3a", 'z'}};
+  for (const auto& [letter, axis] : kLetters) {
+    if (name == letter) name.assign(1, axis);
+  }
+}
+
 /// Adds a name and what it says of its unit.
 void add_name(TableHeader& header, std::string name) {
   trim(name);
@@ -36,6 +47,7 @@ void add_name(TableHeader& header, std::string name) {
     }
   }
   split_unit(name, unit);
+  make_latin(name);
   header.names.push_back(std::move(name));
   header.units.push_back(std::move(unit));
 }

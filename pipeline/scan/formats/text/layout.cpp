@@ -17,7 +17,6 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr double kDamaged = 0.1;  // share of rows that may be wrong below a header that is right
 constexpr const char* kRemedy = "a header that names x, y and z, or 'columns' of the scan in the configuration";
 
 /// True for text before the first row, though there are numbers in it: it begins with a word and has none in place of
@@ -114,7 +113,7 @@ class Inspector {
       rows.erase(rows.begin(), first);
       layout_.columns = configured_columns(file_.columns, rows);
       const TableHeader* header = nullptr;
-      const std::optional<HeaderPlace> place = find_header(rows, separator, kDamaged, header);
+      const std::optional<HeaderPlace> place = find_header(rows, separator, kDamagedRows, header);
       if (place) compare_with_header(*header, named_columns(*header, *place, rows));
       if (hold_coordinates(layout_.columns, rows)) return;
     }
@@ -156,7 +155,7 @@ class Inspector {
   }
 
   [[nodiscard]] bool take_named() {
-    for (const double damaged : {0.0, kDamaged}) {
+    for (const double damaged : {0.0, kDamagedRows}) {
       for (const char separator : separators_) {
         const std::vector<TableRow> rows = sample(separator);
         const TableHeader* header = nullptr;

@@ -16,6 +16,7 @@
 #include "pipeline/scan/formats/text/layout.h"
 #include "pipeline/scan/formats/text/no_data.h"
 #include "pipeline/scan/formats/text/rows.h"
+#include "pipeline/scan/look_alikes.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
@@ -123,6 +124,7 @@ class Reader {
       const std::string_view word = row.words[static_cast<std::size_t>(column)];
       if (!word.empty()) throw file_.error_at(line, in_quotes(word) + " is not a number", expected_row());
     }
+    refuse_look_alikes(row, line);
     double z = value(columns().z);
     if (NoDataValues::is_candidate(z) && is_no_data(z)) {
       if (no_data_++ == 0) first_no_data_ = z;
@@ -156,6 +158,16 @@ class Reader {
     const std::size_t values = row.count + row.beyond - (row.ends_empty() ? 1 : 0);
     const std::size_t before = std::min(static_cast<std::size_t>(columns().track), values);
     return static_cast<double>((values - before) / 2);
+  }
+
+  /// In columns that nobody asks for, too: colours with a letter for a digit are no longer taken for colours.
+  void refuse_look_alikes(const TableRow& row, int line) const {
+    for (std::size_t k = 0; k < row.count; ++k) {
+      const bool skipped = k < file_.columns.size() && file_.columns[k] == "skip";
+      if (row.words[k].empty() || skipped || !are_numbers_but_for_look_alikes(row.words[k])) continue;
+      throw file_.error_at(line, in_quotes(row.words[k]) + " is not a number",
+                           "digits, signs and points of ASCII; or 'skip' for the column in 'columns' of the scan");
+    }
   }
 
   /// A row may end before its normal.

@@ -1,0 +1,54 @@
+#include "pipeline/scan/named_file.h"
+
+#include <algorithm>
+#include <system_error>
+#include <vector>
+
+#include "base/error.h"
+#include "base/text/lower_case.h"
+#include "pipeline/scan/formats/formats.h"
+
+namespace sparsha::pipeline {
+namespace fs = std::filesystem;
+
+namespace {
+
+bool has_scans_ending(const fs::path& file) {
+  const std::string ending = ending_of(file);
+  return ending.size() > 1 && std::any_of(formats().begin(), formats().end(), [&](const Format& format) {
+           return std::find(format.endings.begin(), format.endings.end(), ending.substr(1)) != format.endings.end();
+         });
+}
+
+}  // namespace
+
+std::string scans_in(const fs::path& folder) {
+  constexpr std::size_t kShown = 3;
+  constexpr std::size_t kMost = 10'000;
+  std::vector<std::string> names;
+  std::error_code code;
+  fs::directory_iterator entry(folder, code);
+  for (std::size_t seen = 0; !code && entry != fs::directory_iterator() && seen < kMost; entry.increment(code), ++seen)
+    if (std::error_code none; entry->is_regular_file(none) && has_scans_ending(entry->path()))
+      names.push_back(entry->path().string());
+  std::sort(names.begin(), names.end());
+  std::string text;
+  for (std::size_t k = 0; k < std::min(names.size(), kShown); ++k) text += (k > 0 ? " " : "") + names[k];
+  if (names.size() > kShown) text += " and " + std::to_string(names.size() - kShown) + " more";
+  return text;
+}
+
+void require_file_name(const fs::path& file) {
+  std::error_code code;
+  if (fs::is_directory(file, code)) {
+    const std::string scans = scans_in(file);
+    throw input_error(file.string(), "this is a folder, and no scan",
+                      scans.empty() ? "the files of scans by their names" : "the scans in it by their names: " + scans);
+  }
+  if (file.string().find_first_of("*?[{") != std::string::npos && !fs::exists(fs::symlink_status(file, code))) {
+    throw input_error(file.string(), "no file has this name, and patterns are not replaced by names here",
+                      "the files of scans by their names; at a prompt, a pattern without quotes that some file fits");
+  }
+}
+
+}  // namespace sparsha::pipeline

@@ -1,0 +1,17 @@
+// What stands where a scan's file is named: a folder and a shell's pattern are no files, and the error says what to
+// write instead.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace sparsha::pipeline {
+
+/// Throws Error{input} for a folder, with the scans in it by name, and for a shell's pattern that is no file's name.
+void require_file_name(const std::filesystem::path& file);
+
+/// What to write for a folder: the first files in it that have a scan's ending, and how many there are; empty where
+/// there are none.
+[[nodiscard]] std::string scans_in(const std::filesystem::path& folder);
+
+}  // namespace sparsha::pipeline
