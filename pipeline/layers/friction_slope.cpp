@@ -17,6 +17,8 @@ namespace {
 // the percentile from which on the texture stands clear of it.
 constexpr double kNoisePercentile = 1.6;
 constexpr double kClearPercentile = 3.0;
+// Curvature of no texture, but of the rounding of a plane's heights.
+constexpr double kRounding_per_m = 1e-9;
 
 /// 1 where the four neighbours of a node, which has them, lie within `steep_m`.
 void gentle_nodes(const float* z, std::size_t row_nodes, std::size_t begin, std::size_t end, float steep_m,
@@ -80,7 +82,7 @@ double curvature_percentile(const scene::DepthGrid& grid, const std::vector<floa
 double friction_slope(const CurvatureMap& map, const scene::FrictionConfig& config) {
   if (config.c_m) return *config.c_m;
   const double percentile = map.percentile_95_per_m;
-  if (!(percentile > 0)) return 0;
+  if (!(percentile > kRounding_per_m)) return 0;
   // Below the clear percentile the slope fades out, so that the roughness of a flat plane's noise is not felt.
   const double low = kNoisePercentile * map.noise_floor_per_m, high = kClearPercentile * map.noise_floor_per_m;
   const double t = high > low ? std::clamp((percentile - low) / (high - low), 0.0, 1.0) : 1.0;

@@ -89,6 +89,8 @@ FrictionConfig parse_friction(const Node& node) {
   if (const Node* c = reader.optional("c_m")) {
     friction.c_m = yaml::to_double(*c);
     if (*friction.c_m < 0.0) throw yaml::error_at(*c, "c_m is negative", "metres, 0 or more");
+    constexpr double kMost_m = 1e12;  // what a scene's description may have
+    if (*friction.c_m > kMost_m) throw yaml::error_at(*c, "c_m is beyond 1e12 m", "metres, 0 to 1e12");
   }
   reader.finish();
   if (friction.mu_0 > friction.mu_max) {

@@ -34,7 +34,7 @@ std::vector<Key> layer_keys() {
        "",
        "Scale of the derivatives; absent: the larger of 3 spacings and `texture.sigma_space_mm`"},
       {"friction.c_m",
-       {number(0.0, std::numeric_limits<double>::infinity())},
+       {number(0.0, 1e12)},
        "m",
        "",
        "Slope of `law: curvature`; absent: the 95th percentile of curvature reaches `mu_max`"},

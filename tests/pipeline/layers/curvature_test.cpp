@@ -182,6 +182,17 @@ TEST(FrictionSlope, BringsThe95thPercentileToTheMost) {
   EXPECT_EQ(friction_slope(map, given), 0.0125);
 }
 
+TEST(FrictionSlope, IsNoneWhereCurvatureIsTheRoundingOfHeights) {
+  // A scene's description holds slopes up to 1e12 m.
+  CurvatureMap map;
+  for (const double k : {0.0, 1e-18, 1e-12, 1e-10}) {
+    map.percentile_95_per_m = k;
+    EXPECT_EQ(friction_slope(map, {}), 0.0) << k;
+  }
+  map.percentile_95_per_m = 1e-3;
+  EXPECT_GT(friction_slope(map, {}), 0.0) << "a wave of a kilometre's radius";
+}
+
 TEST(FrictionSlope, LeavesAFlatNoisyPlaneSmooth) {
   const double h = 0.00125;
   ThreadPool pool(2);

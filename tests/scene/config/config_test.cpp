@@ -132,6 +132,7 @@ TEST(Config, RefusesWhatIsUnknownContradictoryOrImpossibleAtItsPlace) {
       {"no filter", kScan + "filters: [{}]\n", {"one of crop, voxel, outliers, radius_outliers"}},
       {"size of one", kScan + "grid: {size: 1}\n", {"size is 1"}},
       {"inverted bounds", kScan + "grid: {bounds_m: [1, 0, 0, 1]}\n", {"the box is empty"}},
+      {"a slope beyond any", kScan + "friction: {c_m: 1.0e13}\n", {"c_m is beyond 1e12 m"}},
       {"mu_0 above mu_max", kScan + "friction: {mu_0: 2}\n", {"mu_0 is above mu_max"}},
       {"law", kScan + "friction: {law: papers}\n", {"law is 'papers'", "did you mean 'paper'?"}},
       {"material", kScan + "haptics: {material: granit}\n", {"material is 'granit'", "did you mean 'granite'?"}},
