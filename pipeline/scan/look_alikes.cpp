@@ -40,16 +40,22 @@ const Range* find(const Range* begin, const Range* end, std::uint32_t code) {
   return found == end ? nullptr : found;
 }
 
-/// `text` as it looks; empty when a character looks like none of a number's.
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_between(char c) { return is_blank(c) || c == ',' || c == ';'; }
+
+/// `text` as it looks; empty when a character looks like none of a number's, or no digit of any script is there.
 std::string as_it_looks(std::string_view text) {
   std::string looks;
+  bool any_digit = false;
   while (!text.empty()) {
     Utf8Character c = first_utf8(text);
     if (c.bytes == 0) c = {static_cast<std::uint32_t>(static_cast<unsigned char>(text.front())), 1};
     if (c.code < 0x80) {
       looks += text.front();
+      any_digit = any_digit || is_digit(text.front());
     } else if (const Range* digits = find(std::begin(kDigits), std::end(kDigits), c.code)) {
       looks += static_cast<char>('0' + (c.code - digits->first) % 10);
+      any_digit = true;
     } else if (const Range* other = find(std::begin(kOthers), std::end(kOthers), c.code)) {
       if (other->looks_like != 0) looks += other->looks_like;
     } else {
@@ -57,11 +63,8 @@ std::string as_it_looks(std::string_view text) {
     }
     text.remove_prefix(c.bytes);
   }
-  return looks;
+  return any_digit ? looks : std::string();
 }
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_between(char c) { return is_blank(c) || c == ',' || c == ';'; }
 
 }  // namespace
 
@@ -71,17 +74,15 @@ bool are_numbers_but_for_look_alikes(std::string_view text) {
   const std::string looks = as_it_looks(text);
   const char* p = looks.data();
   const char* const end = p + looks.size();
-  bool any = false;
   while (p < end) {
     while (p < end && is_between(*p)) ++p;
     if (p == end) break;
     double value = 0.0;
     const char* const stop = parse_number(p, end, value);
     if (stop == nullptr || (stop < end && !is_between(*stop))) return false;
-    any = any || std::any_of(p, stop, is_digit);
     p = stop;
   }
-  return any;
+  return !looks.empty();
 }
 
 }  // namespace sparsha::pipeline

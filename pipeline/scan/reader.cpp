@@ -84,7 +84,7 @@ RawScan read_into(const std::string& name, std::string_view bytes, const MappedF
 RawScan read_scan(const std::filesystem::path& file, const Progress* progress, const ReadOptions& options) {
   require_file_name(file);
   const MappedFile map(file);
-  return map.whole([&] { return read_into(file.string(), map.text(), nullptr, {}, progress, options); });
+  return map.whole([&] { return read_into(file.string(), map.text(), &map, {}, progress, options); });
 }
 
 RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink, const Progress* progress,

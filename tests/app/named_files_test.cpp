@@ -71,7 +71,7 @@ TEST_F(NamedFiles, AnEmptyFileAmongScansIsLeftOutWithAWordAndAloneRefused) {
 TEST_F(NamedFiles, AFolderOfScansIsRefusedWithTheirNames) {
   write("folder.yaml", "scans:\n  - file: scans\n");
   for (const char* command : {"info scans", "new scans", "build scans --out scene", "build folder.yaml --out scene",
-                              "explore scans --headless --device simulated --duration 1", "register folder.yaml"}) {
+                              "explore scans --headless --device simulated --duration 1"}) {
     const Outcome outcome = run(command);
     EXPECT_EQ(outcome.code, 3) << command;
     EXPECT_THAT(outcome.err, HasSubstr("scans: error: ")) << command;
