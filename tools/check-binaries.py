@@ -104,8 +104,8 @@ def main():
     if asked.commands:
         faults += faults_of_commands(asked.commands)
         programs = [path for path in linked if path.name == "sparsha"]
-        faults += [f"{path}: it calls none of the C library's checked functions (__*_chk)" for path in programs
-                   if not calls_checked_functions(path)]
+        if programs and not any(map(calls_checked_functions, programs)):  # one of them may only start the other
+            faults.append(f"{programs[0]}: it calls none of the C library's checked functions (__*_chk)")
     for fault in faults:
         print("error: " + fault, file=sys.stderr)
     print(f"{len(linked)} programs and libraries and {len(objects)} objects read, {len(faults)} faults")
