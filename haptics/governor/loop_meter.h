@@ -10,7 +10,7 @@
 
 namespace sparsha::haptics {
 
-/// Of the last `kWindow` times, a power of two. Times from 64 us to 64 ms in steps of a sixteenth of an octave (4.4 %),
+/// Of the last `kWindow` times, a power of two. Times from 64 us to 131 ms in steps of a sixteenth of an octave (4.4 %),
 /// the ends open. One writer, some 10 ns a time.
 template <std::size_t kWindow = 512>
 class LoopMeter {
@@ -47,7 +47,7 @@ class LoopMeter {
 
   static constexpr std::size_t kRenewed = 32;
   static constexpr std::size_t kFirst = 8;
-  static constexpr std::size_t kBins = 160;
+  static constexpr std::size_t kBins = 176;
   static constexpr double kSteps = 16.0;
   static constexpr double kShortest_s = 64e-6;
 
