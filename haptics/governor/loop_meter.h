@@ -10,8 +10,8 @@
 
 namespace sparsha::haptics {
 
-/// Of the last `kWindow` times, a power of two. Times from 64 us to 131 ms in steps of a sixteenth of an octave (4.4 %),
-/// the ends open. One writer, some 10 ns a time.
+/// Of the last `kWindow` times, a power of two. Times from 64 us to 131 ms in steps of a sixteenth of an octave (4.4
+/// %), the ends open. One writer, some 10 ns a time.
 template <std::size_t kWindow = 512>
 class LoopMeter {
  public:
