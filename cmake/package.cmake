@@ -55,7 +55,8 @@ foreach(pair ${packages})
   install(FILES packaging/copyright DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${component})
   install(FILES ${manual}/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${component} OPTIONAL)
 endforeach()
-install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libsparsha-dev COMPONENT haptics)
+install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libsparsha-dev COMPONENT haptics
+  PATTERN __pycache__ EXCLUDE)
 
 set(CPACK_GENERATOR DEB TGZ)
 set(CPACK_PROJECT_CONFIG_FILE ${PROJECT_SOURCE_DIR}/packaging/archive.cmake)

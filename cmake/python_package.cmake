@@ -10,7 +10,8 @@ file(WRITE ${metadata}/METADATA "Metadata-Version: 2.1\nName: sparsha\nVersion: 
 file(WRITE ${metadata}/INSTALLER "debian\n")
 install(FILES ${metadata}/METADATA ${metadata}/INSTALLER DESTINATION ${SPARSHA_PYTHON_DIR}/sparsha-${PROJECT_VERSION}.dist-info
   COMPONENT python_system)
-install(DIRECTORY examples/python/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/python3-sparsha/examples COMPONENT python_system)
+install(DIRECTORY examples/python/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/python3-sparsha/examples COMPONENT python_system
+  PATTERN __pycache__ EXCLUDE)
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-sparsha)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)

@@ -65,13 +65,21 @@ NumPy& numpy() {
   return *kNumPy;
 }
 
-/// An array of three doubles with the machine's byte order and any stride.
+/// Whether the numbers lie in an array's own memory; of views of other kinds the slow way knows.
+bool owns(const NumPy& np, const PyObject* array) {
+  const auto* const proxy = reinterpret_cast<const py::detail::PyArray_Proxy*>(array);
+  return Py_TYPE(array) == np.api->PyArray_Type_ && (proxy->flags & py::detail::npy_api::NPY_ARRAY_OWNDATA_) != 0;
+}
+
+/// Three doubles in a row with the machine's byte order, in an array's own memory.
 bool read_array(PyObject* given, Eigen::Vector3d& vector) {
   const NumPy& np = numpy();
   if (Py_TYPE(given) != np.api->PyArray_Type_) return false;
   const py::detail::PyArray_Proxy* const array = py::detail::array_proxy(given);
   if (array->nd != 1 || array->dimensions[0] != 3 || array->descr != np.doubles) return false;
-  for (py::ssize_t k = 0; k < 3; ++k) std::memcpy(&vector[k], array->data + k * array->strides[0], sizeof(double));
+  if (array->strides[0] != sizeof(double)) return false;
+  if (!owns(np, given) && (array->base == nullptr || !owns(np, array->base))) return false;
+  std::memcpy(vector.data(), array->data, 3 * sizeof(double));
   return true;
 }
 

@@ -18,7 +18,6 @@ import zipfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SUMMARY = "Raw scans of cultural heritage, made into surfaces that can be touched"
-NUMPY = "numpy<2"  # which pybind11 before 2.12 does not know; Debian 12 has 2.10
 LICENCES = (ROOT / "LICENSE", ROOT / "packaging/copyright")  # ours, and those of what is compiled in
 DATE = (1980, 1, 1, 0, 0, 0)  # of every file, so that the same package is the same wheel
 
@@ -55,17 +54,26 @@ def install_into(prefix, build, jobs):
     return next(pathlib.Path(prefix).rglob("_core.*")).parent
 
 
-def metadata():
+def numpy_of(build):
+    """The NumPy that the module built in this folder bears: pybind11 before 2.12 knows NumPy 1 alone."""
+    cache = (build / "CMakeCache.txt").read_text(encoding="utf-8")
+    headers = pathlib.Path(re.search(r"^SPARSHA_PYBIND11:\w+=(.+)$", cache, re.M).group(1))
+    text = (headers / "pybind11/detail/common.h").read_text(encoding="utf-8")
+    found = tuple(int(re.search(rf"#define PYBIND11_VERSION_{part} (\d+)", text).group(1)) for part in ("MAJOR", "MINOR"))
+    return "numpy<2" if found < (2, 12) else "numpy"
+
+
+def metadata(numpy):
     return (f"Metadata-Version: 2.1\nName: sparsha\nVersion: {version()}\nSummary: {SUMMARY}\nRequires-Python: >=3.9\n"
-            f"Requires-Dist: {NUMPY}\nLicense-File: LICENSE\nLicense-File: copyright\n")
+            f"Requires-Dist: {numpy}\nLicense-File: LICENSE\nLicense-File: copyright\n")
 
 
-def wheel_of(package, folder):
-    """Writes the wheel of an installed package into a folder; gives its name."""
+def wheel_of(package, folder, numpy="numpy"):
+    """Writes the wheel of an installed package, which needs this NumPy, into a folder; gives its name."""
     info = f"sparsha-{version()}.dist-info"
     name = f"sparsha-{version()}-{tag()}.whl"
     files = {f"sparsha/{path.name}": path.read_bytes() for path in sorted(pathlib.Path(package).iterdir()) if path.is_file()}
-    files[f"{info}/METADATA"] = metadata().encode()
+    files[f"{info}/METADATA"] = metadata(numpy).encode()
     for licence in LICENCES:
         files[f"{info}/{licence.name}"] = licence.read_bytes()
     files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: sparsha\nRoot-Is-Purelib: false\nTag: {tag()}\n".encode()
@@ -89,7 +97,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     with tempfile.TemporaryDirectory() as work:
         build = pathlib.Path(settings.get("build-dir", pathlib.Path(work) / "build")).absolute()
         package = install_into(pathlib.Path(work) / "prefix", build, settings.get("jobs", os.cpu_count() or 1))
-        return wheel_of(package, wheel_directory)
+        return wheel_of(package, wheel_directory, numpy_of(build))
 
 
 def build_sdist(sdist_directory, config_settings=None):  # noqa: ARG001
@@ -101,6 +109,6 @@ def build_sdist(sdist_directory, config_settings=None):  # noqa: ARG001
             archive.add(ROOT / name, f"{base}/{name}", recursive=False)
         with tempfile.TemporaryDirectory() as work:
             info = pathlib.Path(work) / "PKG-INFO"
-            info.write_text(metadata(), encoding="utf-8")
+            info.write_text(metadata("numpy"), encoding="utf-8")
             archive.add(info, f"{base}/PKG-INFO")
     return f"{base}.tar.gz"

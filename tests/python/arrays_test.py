@@ -31,10 +31,9 @@ class Masked(unittest.TestCase):
 
     def test_hidden_points_are_refused_with_their_row(self):
         for hidden in (masked(self.points, (17, 2)), masked(self.points, 17), list(masked(self.points, (17, 2))),
-                       tuple(masked(self.points, (17, 2))), np.asfortranarray(masked(self.points, (17, 0))).view(np.ma.MaskedArray)):
-            if np.ma.is_masked(hidden) or isinstance(hidden, (list, tuple)):
-                with self.assertRaisesRegex(sparsha.UsageError, "row 17 of points is masked"):
-                    sparsha.Cloud(hidden)
+                       tuple(masked(self.points, (17, 2))), np.ma.array(np.asfortranarray(self.points), mask=masked(self.points, (17, 0)).mask)):
+            with self.assertRaisesRegex(sparsha.UsageError, "row 17 of points is masked"):
+                sparsha.Cloud(hidden)
         for shown in (np.ma.array(self.points), masked(self.points), list(np.ma.array(self.points)),
                       np.ma.array(self.points, mask=np.zeros_like(self.points, bool))):
             np.testing.assert_array_equal(sparsha.Cloud(shown).points, self.cloud.points)
@@ -106,6 +105,20 @@ class Strides(unittest.TestCase):
             for door in self.doors(as_strided(start, shape, strides)):
                 with self.assertRaisesRegex(sparsha.UsageError, "beyond the memory"):
                     door()
+
+    def test_a_hand_outside_of_its_memory_is_refused(self):
+        hand = np.array([0.04, 0.04, -0.001])
+        renderer = sparsha.Renderer.of_heights(np.zeros((9, 9)), 0.01)
+        expected = renderer.step(hand)
+        path = np.tile(hand, (4, 1))
+        for same in (path[2], np.ascontiguousarray(path.T)[:, 1], as_strided(path, (3,), (8,)), hand[::-1][::-1]):
+            renderer.reset()
+            np.testing.assert_array_equal(renderer.step(same), expected)
+        for start, stride in ((np.zeros(3), 1 << 40), (np.zeros(2), 8), (np.zeros(3), -8)):
+            wild = as_strided(start, (3,), (stride,))
+            for hip in (wild, wild[:]):
+                with self.assertRaisesRegex(sparsha.UsageError, "beyond the memory"):
+                    renderer.step(hip)
 
     def test_rows_within_one_number_and_rows_that_are_not_there_are_refused_at_once(self):
         before = resident_bytes()
