@@ -5,22 +5,9 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/text/lower_case.h"
-#include "pipeline/scan/formats/formats.h"
 
 namespace sparsha::pipeline {
 namespace fs = std::filesystem;
-
-namespace {
-
-bool has_scans_ending(const fs::path& file) {
-  const std::string ending = ending_of(file);
-  return ending.size() > 1 && std::any_of(formats().begin(), formats().end(), [&](const Format& format) {
-           return std::find(format.endings.begin(), format.endings.end(), ending.substr(1)) != format.endings.end();
-         });
-}
-
-}  // namespace
 
 std::string scans_in(const fs::path& folder) {
   constexpr std::size_t kShown = 3;
@@ -29,7 +16,7 @@ std::string scans_in(const fs::path& folder) {
   std::error_code code;
   fs::directory_iterator entry(folder, code);
   for (std::size_t seen = 0; !code && entry != fs::directory_iterator() && seen < kMost; entry.increment(code), ++seen)
-    if (std::error_code none; entry->is_regular_file(none) && has_scans_ending(entry->path()))
+    if (std::error_code none; entry->is_regular_file(none) && has_ending_of_scan(entry->path()))
       names.push_back(entry->path().string());
   std::sort(names.begin(), names.end());
   std::string text;

@@ -14,4 +14,7 @@ void require_file_name(const std::filesystem::path& file);
 /// there are none.
 [[nodiscard]] std::string scans_in(const std::filesystem::path& folder);
 
+/// True for a file whose name has the ending of some format of scans; it need not be there.
+[[nodiscard]] bool has_ending_of_scan(const std::filesystem::path& file);
+
 }  // namespace sparsha::pipeline

@@ -123,6 +123,14 @@ RawScan read_scan_bytes(std::string_view bytes, const std::string& name, const R
   return read_into(name, bytes, nullptr, {}, nullptr, options);
 }
 
+bool has_ending_of_scan(const std::filesystem::path& file) {
+  ScanFile scan;
+  scan.extension = ending_of(file);
+  if (!scan.extension.empty()) scan.extension.erase(0, 1);
+  return std::any_of(formats().begin(), formats().end(),
+                     [&](const Format& format) { return has_ending(format, scan); });
+}
+
 bool is_z_up(const std::string& name) {
   return std::any_of(formats().begin(), formats().end(),
                      [&](const Format& format) { return format.z_up && name.starts_with(format.name); });
