@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "pipeline/scan/look_alikes.h"
+
 namespace sparsha::pipeline {
 namespace {
 
@@ -36,6 +38,15 @@ std::size_t usual_count(const std::vector<TableRow>& sample) {
   const auto ends_empty = [&](const TableRow& row) { return row.count != usual || row.ends_empty(); };
   const bool empty_end = usual > 3 && std::all_of(sample.begin(), sample.end(), ends_empty);
   return empty_end ? usual - 1 : usual;
+}
+
+std::bitset<kMostColumns> columns_of_numbers(const std::vector<TableRow>& sample) {
+  std::bitset<kMostColumns> columns;
+  for (std::size_t k = 0; k < kMostColumns; ++k) {
+    const auto has_number = [&](const TableRow& row) { return row.has_number(static_cast<int>(k)); };
+    columns[k] = 2 * static_cast<std::size_t>(std::count_if(sample.begin(), sample.end(), has_number)) >= sample.size();
+  }
+  return columns;
 }
 
 bool are_rows_alike(const std::vector<TableRow>& sample, std::size_t usual) {
@@ -173,6 +184,18 @@ bool looks_like_matrix(const std::vector<TableRow>& sample, std::size_t usual) {
   const double largest = *std::max_element(steps.begin(), steps.end()) / rows;
   const double usually = std::accumulate(steps.begin(), steps.end(), 0.0) / (rows * (columns - 1.0));
   return deviation > 0.0 && usually <= kSmooth * deviation && largest <= kSmoothEverywhere * deviation;
+}
+
+bool may_be_numbers_of_points(const std::vector<TableRow>& sample, const std::vector<int>& columns) {
+  bool any_name = false;
+  for (const TableRow& row : sample) {
+    for (const int column : columns) {
+      const auto k = static_cast<std::size_t>(column);
+      if (row.has_number(column) && !is_whole(row.values[k])) return false;
+      any_name = any_name || (row.has_word(column) && !are_numbers_but_for_look_alikes(row.words[k]));
+    }
+  }
+  return any_name;
 }
 
 bool are_coordinates(const std::vector<TableRow>& sample, const std::array<int, 3>& xyz, double damaged) {

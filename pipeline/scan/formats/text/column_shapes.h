@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <vector>
 
 #include "pipeline/scan/formats/text/rows.h"
@@ -10,6 +11,9 @@ namespace sparsha::pipeline {
 
 /// Columns of most rows; one that is empty in all of them comes from separators at the ends of lines.
 [[nodiscard]] std::size_t usual_count(const std::vector<TableRow>& sample);
+
+/// Columns in which half of the rows or more have numbers.
+[[nodiscard]] std::bitset<kMostColumns> columns_of_numbers(const std::vector<TableRow>& sample);
 
 /// True when all rows are of one length, but for an empty end.
 [[nodiscard]] bool are_rows_alike(const std::vector<TableRow>& sample, std::size_t usual);
@@ -45,6 +49,10 @@ namespace sparsha::pipeline {
 
 /// True for eight columns and more whose values go on smoothly from each to the next: heights of a grid.
 [[nodiscard]] bool looks_like_matrix(const std::vector<TableRow>& sample, std::size_t usual);
+
+/// True for whole numbers, beside words of which one at least is more than a number with wrong characters: "1964",
+/// "1965A". So points are numbered, and no coordinates are damaged.
+[[nodiscard]] bool may_be_numbers_of_points(const std::vector<TableRow>& sample, const std::vector<int>& columns);
 
 /// True when most rows have numbers in the three columns, and no larger share than `damaged` a word.
 [[nodiscard]] bool are_coordinates(const std::vector<TableRow>& sample, const std::array<int, 3>& xyz, double damaged);

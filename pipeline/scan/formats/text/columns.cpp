@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "pipeline/scan/formats/text/column_shapes.h"
@@ -29,23 +30,30 @@ void set_colour(TableColumns& columns, int first) {
   columns.blue = first + 2;
 }
 
+/// Not of a column of labels.
+void set_intensity(TableColumns& columns, const std::vector<TableRow>& sample, int column) {
+  const auto has_word = [&](const TableRow& row) { return row.has_word(column); };
+  if (columns_of_numbers(sample)[index(column)] || std::none_of(sample.begin(), sample.end(), has_word))
+    columns.intensity = column;
+}
+
 /// What stands behind coordinates without names, as scanners' programs write it.
 void guess_attributes(TableColumns& columns, const std::vector<TableRow>& sample, bool pts) {
   const std::size_t usual = columns.usual;
   if (usual >= 7 && pts && look_like_colours(sample, usual, 4)) {
     set_colour(columns, 4);
-    columns.intensity = 3;
+    set_intensity(columns, sample, 3);
   } else if (usual == 6 && look_like_normals(sample, usual, 3)) {
     set_normals(columns, 3);
   } else if (usual >= 6 && look_like_colours(sample, usual, 3)) {
     set_colour(columns, 3);
-    if (usual == 7) columns.intensity = 6;
+    if (usual == 7) set_intensity(columns, sample, 6);
     if (usual >= 9 && are_unit_vectors(sample, usual, 6)) set_normals(columns, 6);  // a measure may follow
   } else if (usual >= 7 && look_like_colours(sample, usual, 4)) {
     set_colour(columns, 4);
-    columns.intensity = 3;
+    set_intensity(columns, sample, 3);
   } else if (usual == 4) {
-    columns.intensity = 3;
+    set_intensity(columns, sample, 3);
   }
 }
 
@@ -65,8 +73,8 @@ void take_track(TableColumns& columns, int track) {
   columns.rows_vary = true;
 }
 
-/// What the colours of the sample mean.
-ColourScale scale_of(const TableColumns& columns, const std::vector<TableRow>& sample) {
+/// What the colours of the sample mean, and where numbers are.
+void judge_values(TableColumns& columns, const std::vector<TableRow>& sample) {
   double largest = 0.0;
   bool fractions = false;
   for (const TableRow& row : sample) {
@@ -77,11 +85,21 @@ ColourScale scale_of(const TableColumns& columns, const std::vector<TableRow>& s
       fractions = fractions || v != std::floor(v);
     }
   }
-  return colour_scale(largest, fractions);
+  columns.scale = colour_scale(largest, fractions);
+  columns.numbers = columns_of_numbers(sample);
 }
 
 std::array<int, 3> moved(const std::array<int, 3>& columns, int by) {
   return {columns[0] + by, columns[1] + by, columns[2] + by};
+}
+
+/// Those of the coordinates' columns that are none when they are moved.
+std::vector<int> left_by_move(const std::array<int, 3>& columns, int by) {
+  const std::array<int, 3> others = moved(columns, by);
+  std::vector<int> left;
+  std::copy_if(columns.begin(), columns.end(), std::back_inserter(left),
+               [&](int column) { return std::find(others.begin(), others.end(), column) == others.end(); });
+  return left;
 }
 
 std::string place_text(const TableColumns& columns) {
@@ -102,6 +120,12 @@ std::size_t TableColumns::needed() const {
     default:
       return index(all) + 1;
   }
+}
+
+bool TableColumns::wants_numbers(std::size_t column) const {
+  const std::array<int, 7> attributes = {red, green, blue, intensity, nx, ny, nz};
+  return numbers[column] ||
+         std::find(attributes.begin(), attributes.end(), static_cast<int>(column)) != attributes.end();
 }
 
 std::vector<std::string> TableColumns::words() const {
@@ -132,7 +156,7 @@ TableColumns configured_columns(const std::vector<std::string>& words, const std
   columns.nz = find(words, "nz");
   columns.usual = std::max(usual_count(sample), columns.needed());
   label_fields(columns);
-  columns.scale = scale_of(columns, sample);
+  judge_values(columns, sample);
   return columns;
 }
 
@@ -177,8 +201,10 @@ std::optional<HeaderPlace> place_header(const TableHeader& header, const std::ve
     place.ambiguous = more > 0 && !same_separator && fits_moved && std::any_of(sample.begin(), sample.end(), names_row);
     return place;
   }
+  if (!fits_moved) return std::nullopt;
   // A few damaged rows are no reason to look for the coordinates in other columns.
-  if (!fits_moved || are_coordinates(sample, xyz, kDamagedRows)) return std::nullopt;
+  const bool damaged_rows = are_coordinates(sample, xyz, kDamagedRows);
+  if (damaged_rows && !may_be_numbers_of_points(sample, left_by_move(xyz, more))) return std::nullopt;
   place.shift = more;
   return place;
 }
@@ -235,7 +261,7 @@ TableColumns named_columns(const TableHeader& header, const HeaderPlace& place, 
     columns.warnings.push_back("the header names several sets of coordinates; " + place_text(columns) +
                                " are taken; if that is wrong, 'columns' of the scan names them");
   }
-  columns.scale = scale_of(columns, sample);
+  judge_values(columns, sample);
   return columns;
 }
 
@@ -244,7 +270,7 @@ TableColumns columns_by_position(const std::vector<TableRow>& sample, bool pts) 
   columns.usual = usual_count(sample);
   guess_attributes(columns, sample, pts);
   label_fields(columns);
-  columns.scale = scale_of(columns, sample);
+  judge_values(columns, sample);
   return columns;
 }
 
@@ -283,7 +309,7 @@ TableColumns guess_columns(const std::vector<TableRow>& sample, bool pts) {
         "wrong, 'columns' of the scan names them");
   }
   label_fields(columns);
-  columns.scale = scale_of(columns, sample);
+  judge_values(columns, sample);
   return columns;
 }
 
@@ -302,6 +328,7 @@ TableColumns columns_behind_indices(const std::vector<TableRow>& sample, std::si
     if (*column >= 0) *column += static_cast<int>(indices);
   }
   columns.usual += indices;
+  columns.numbers = columns_of_numbers(sample);
   columns.by = TextTable::By::shape;
   columns.fields.clear();
   label_fields(columns);

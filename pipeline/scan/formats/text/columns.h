@@ -1,6 +1,7 @@
 // Which column of a text table is what.
 #pragma once
 
+#include <bitset>
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,11 +28,15 @@ struct TableColumns {
   bool rows_vary = false;           ///< in length by their nature, behind the coordinates
   std::vector<std::string> fields;  ///< names, as far as known
   std::vector<std::string> warnings;
+  std::bitset<kMostColumns> numbers;  ///< columns in which half of the first rows or more have numbers
 
   [[nodiscard]] bool has_colour() const { return red >= 0; }
   [[nodiscard]] bool has_normals() const { return nx >= 0; }
   /// Values that every row must have.
   [[nodiscard]] std::size_t needed() const;
+  /// True where words are errors if they only look like numbers: in columns of numbers, and in those that are taken for
+  /// colour, intensity or normal, whatever stands in them. Other columns of words are labels.
+  [[nodiscard]] bool wants_numbers(std::size_t column) const;
   /// In the words of `scans: columns`, one for each of the usual columns.
   [[nodiscard]] std::vector<std::string> words() const;
 };

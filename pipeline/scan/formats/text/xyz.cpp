@@ -160,11 +160,12 @@ class Reader {
     return static_cast<double>((values - before) / 2);
   }
 
-  /// In columns that nobody asks for, too: colours with a letter for a digit are no longer taken for colours.
+  /// In columns of numbers that nobody asks for, too: colours with a letter for a digit are not taken for colours.
   void refuse_look_alikes(const TableRow& row, int line) const {
     for (std::size_t k = 0; k < row.count; ++k) {
       const bool skipped = k < file_.columns.size() && file_.columns[k] == "skip";
-      if (row.words[k].empty() || skipped || !are_numbers_but_for_look_alikes(row.words[k])) continue;
+      if (row.words[k].empty() || skipped || !columns().wants_numbers(k)) continue;
+      if (!are_numbers_but_for_look_alikes(row.words[k])) continue;
       throw file_.error_at(line, in_quotes(row.words[k]) + " is not a number",
                            "digits, signs and points of ASCII; or 'skip' for the column in 'columns' of the scan");
     }

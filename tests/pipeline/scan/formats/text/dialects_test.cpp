@@ -1,5 +1,7 @@
 // Tables as other programs and people write them, that must not be read as something else: what is refused says why.
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -93,6 +95,77 @@ TEST(Dialects, OneDamagedRowMovesNoHeader) {
   const std::string sound = rows(header, "7 0.5 0.25 0.125 1 2 3 0.5 1 2 2 ", 30);
   EXPECT_EQ(read_scan_bytes(sound, "t.txt").points.front(), Eigen::Vector3d(0.5, 0.25, 0.125));
   expect_refused("t.txt", sound + "8 0.5 0.2x5 0.125 1 2 3 0.5 1 2 2 3\n", "'0.2x5' is not a number", 32);
+}
+
+/// Rows of 400 points "<label>, 0.5, 0.25, 0.k" or, with labels behind, "0.5, 0.25, 0.k, <label>".
+std::string labelled(const std::string& header, const std::vector<std::string>& labels, bool behind = false) {
+  std::string text = header;
+  for (std::size_t k = 0; k < 400; ++k) {
+    const std::string& label = labels[k % labels.size()];
+    const std::string point = "0.5,0.25,0." + std::to_string(k);
+    text += (behind ? point + "," + label : label + "," + point) + "\n";
+  }
+  return text;
+}
+
+/// Labels of which every 15th, less than the share of damaged rows, is `odd`.
+std::vector<std::string> mostly(const std::string& usual, const std::string& odd) {
+  std::vector<std::string> labels(15, usual);
+  labels[7] = odd;
+  return labels;
+}
+
+TEST(Dialects, NumbersOfPointsWithALetterAreNoDamagedCoordinates) {
+  for (const char separator : {',', ' ', '\t', ';'}) {
+    SCOPED_TRACE(separator);
+    std::string text = labelled("x,y,z\n", mostly("1964", "1965A"));
+    std::replace(text.begin(), text.end(), ',', separator);
+    const RawScan scan = read_scan_bytes(text, "t.csv");
+    ASSERT_EQ(scan.points.size(), 400U);
+    EXPECT_EQ(scan.points[7], Eigen::Vector3d(0.5, 0.25, 0.7));
+    EXPECT_THAT(scan.warnings,
+                ::testing::Contains(::testing::HasSubstr("x, y and z are taken from columns 2, 3 and 4")));
+  }
+  const std::string behind_name = labelled("name,x,y,z\n", mostly("wall,1964", "wall,1965A"));
+  EXPECT_EQ(read_scan_bytes(behind_name, "t.csv").points.back(), Eigen::Vector3d(0.5, 0.25, 0.399));
+}
+
+TEST(Dialects, DamagedCoordinatesBelowAHeaderThatIsShorterMoveNothing) {
+  expect_refused("t.csv", labelled("x,y,z\n", mostly("1.25", "1.2x5")), "'1.2x5' is not a number", 9);
+  // Whole numbers, of which one has a letter that only looks like a digit.
+  expect_refused("t.csv", labelled("x,y,z\n", mostly("100", "1\u041e0")),
+                 "'1<U+041E>0' is not a number; at least 3 values, of which 1, 2 and 3", 9);
+  expect_refused("t.csv", labelled("x,y,z\n", mostly("100", "\u2212100")),
+                 "'<U+2212>100' is not a number; at least 3 values", 9);
+}
+
+TEST(Dialects, LabelsThatLookLikeNumbersAreLabels) {
+  const std::vector<std::string> rooms = {"\u04311", "\u04312", "\u04313", "\u04314", "\u041e2", "\u04171"};
+  for (const bool behind : {true, false}) {
+    const RawScan scan = read_scan_bytes(labelled(behind ? "x,y,z,room\n" : "room,x,y,z\n", rooms, behind), "t.csv");
+    ASSERT_EQ(scan.points.size(), 400U) << behind;
+    EXPECT_EQ(scan.points[399], Eigen::Vector3d(0.5, 0.25, 0.399)) << behind;
+  }
+  expect_read(labelled("x,y,z,room\n", {"\u04311", "hall", "", "2"}, true));
+  // Nobody names the columns: labels are no intensity.
+  for (const char* header : {"", "x,y,z\n"}) {
+    EXPECT_TRUE(read_scan_bytes(labelled(header, rooms, true), "t.csv").intensity.empty()) << header;
+  }
+  for (const char* row : {"255,100,3,\u04311", "\u04311,255,100,3"}) {
+    const RawScan scan = read_scan_bytes(labelled("", {row}, true), "t.csv");
+    EXPECT_TRUE(scan.intensity.empty() && scan.rgba.size() == 400) << row;
+  }
+}
+
+TEST(Dialects, ColumnsOfNumbersAndNamedAttributesAreNoLabels) {
+  expect_refused("t.csv", labelled("x,y,z,room\n", mostly("12", "1\u041e"), true), "'1<U+041E>' is not a number", 9);
+  expect_refused("t.csv", labelled("x,y,z,intensity\n", {"\uff11\uff12"}, true), "'<U+FF11><U+FF12>' is not", 2);
+  expect_refused("t.csv", labelled("x,y,z,r,g,b\n", {"\uff11,2,3"}, true), "'<U+FF11>' is not a number", 2);
+  expect_refused("t.csv", labelled("x,y,z,nx,ny,nz\n", {"0,0,\u22121"}, true), "'<U+2212>1' is not a number", 2);
+  // Tables that were joined, where a colour of the second one has such a digit.
+  expect_refused("t.xyz",
+                 rows("", "0.5 0.25 0.", 1200) + rows("", "0.5 0.25 0.5 255 100 3", 30) + "1 2 3 25\u043e 4 5\n",
+                 "'25<U+043E>' is not a number", 1231);
 }
 
 TEST(Dialects, ZeroBytesBehindTheRowsAreSaidToBeThat) {
