@@ -208,14 +208,9 @@ class Course {
     if (cell >= kLookCell) return Look::stays;
     const Look at_edge = pass_edge();
     if (at_edge != Look::stays) return at_edge;
-    if (cell == kRimCell) {
-      if (fall_beyond_edge(kLookCell)) return Look::moves;
-      if (!is_free_beyond_edge()) return Look::stays;
-      take_off(hip_m_);
-      return Look::leaves;
-    }
+    if (cell == kRimCell) return pass_rim();
     if (left_count_ > 0) return stop_unfinished() ? Look::moves : Look::leaves;
-    if (fall_beyond_edge(kRimCell)) return Look::moves;
+    if (fall_beyond_edge()) return Look::moves;
     if (hold_from_over()) return Look::moves;
     // The surface has ended: the proxy is let go.
     take_off(hip_m_);
@@ -224,33 +219,44 @@ class Course {
   }
 
   /// A proxy may have gone on further beyond an edge than pass_edge() looks: what lies on its way to the hand is
-  /// entered from outside, in cells worth `least` or more. False where nothing does, or where it would be the sheet
-  /// itself.
-  bool fall_beyond_edge(std::uint8_t least) noexcept {
+  /// entered from outside. False where nothing does, or where it would be the sheet itself.
+  bool fall_beyond_edge() noexcept {
     const Flight flight = fly(object_, state_.position_m, hip_m_, true, options_.shape);
-    if (!flight.crossing || flight.crossing->sheet == state_.sheet || !may_enter(flight.crossing->sheet)) return false;
-    const SheetSurface& other = object_.sheets[flight.crossing->sheet];
-    const SheetView there = view_of(other, other.to_object(flight.crossing->local_m));
+    return flight.crossing && go_over(*flight.crossing, kRimCell);
+  }
+
+  /// To another sheet that is crossed on the way to the hand, in a cell worth `least` or more.
+  bool go_over(const Crossing& crossing, std::uint8_t least) noexcept {
+    if (crossing.sheet == state_.sheet || !may_enter(crossing.sheet)) return false;
+    const SheetSurface& other = object_.sheets[crossing.sheet];
+    const SheetView there = view_of(other, other.to_object(crossing.local_m));
     if (there.cell < least) return false;
     ++found_.edges;
-    move_to(flight.crossing->sheet, there);
+    move_to(crossing.sheet, there);
     return true;
   }
 
-  /// Beyond an edge, outside of what lies there, with a hand that is outside of it too and nothing between the two.
-  [[nodiscard]] bool is_free_beyond_edge() const noexcept {
-    if (!is_outside(object_, hip_m_, state_.position_m)) return false;
-    if (held_at(object_, state_.sheet, state_.position_m) != Held::outside) return false;
+  /// On a rim that pass_edge() found nothing about: the proxy goes over to what was measured between it and the hand;
+  /// off it goes where it is outside of what lies beyond the edge, with a hand that is outside too and nothing between.
+  Look pass_rim() noexcept {
     const Flight flight = fly(object_, state_.position_m, hip_m_, true, options_.shape);
-    return !flight.crossing && flight.share >= 1.0;
+    ++found_.segments;
+    if (flight.crossing) return go_over(*flight.crossing, kLookCell) ? Look::moves : Look::stays;
+    if (flight.share < 1.0 || !is_outside(object_, hip_m_, state_.position_m)) return Look::stays;
+    if (held_at(object_, state_.sheet, state_.position_m) != Held::outside) return Look::stays;
+    take_off(hip_m_);
+    return Look::leaves;
   }
 
-  /// A hand that is inside is held by the nearest sheet over it; false where there is none.
+  /// A hand that is inside is held by the nearest sheet over it, if that pushes it the way that it was pushed: no hand
+  /// goes over to the other face of a thin wall. False where there is none.
   bool hold_from_over() noexcept {
     const auto over = surface_over(object_, hip_m_);
     if (!over || over->sheet == state_.sheet || !may_enter(over->sheet)) return false;
+    const SheetView there = view_of(object_.sheets[over->sheet], hip_m_);
+    if (there.normal.dot(state_.position_m - hip_m_) <= 0.0 || there.normal.dot(normal_) < -kSameNormal) return false;
     ++found_.edges;
-    move_to(over->sheet, view_of(object_.sheets[over->sheet], hip_m_));
+    move_to(over->sheet, there);
     return true;
   }
 

@@ -15,6 +15,9 @@ namespace sparsha::haptics {
 /// Metres. Allocates.
 class RepeatWatch {
  public:
+  /// `least_step_m`: DeviceLimits::encoder_step_m.
+  explicit RepeatWatch(double least_step_m = 0.0) : least_step_m_(least_step_m) {}
+
   /// A position that is said to be new.
   void see(const Eigen::Vector3d& position_m) {
     if (known_) moves_m_.push_back((position_m - last_m_).norm());
@@ -46,6 +49,7 @@ class RepeatWatch {
     double step_m = std::numeric_limits<double>::infinity();
     for (const double move_m : moves_m_)
       if (move_m > 0.0) step_m = std::min(step_m, move_m);
+    step_m = std::max(step_m, least_step_m_);
     Leaps found;
     for (std::size_t i = 1; i < moves_m_.size(); ++i) {
       if (moves_m_[i] < kLeap_m || moves_m_[i] < kLeapSteps * step_m) continue;
@@ -55,6 +59,7 @@ class RepeatWatch {
     return found;
   }
 
+  double least_step_m_;
   bool known_ = false;
   Eigen::Vector3d last_m_ = Eigen::Vector3d::Zero();
   std::vector<double> moves_m_;

@@ -89,6 +89,7 @@ void watch(Device& device, const ConformanceOptions& options, Watched& seen) {
   const double period_s = 1.0 / options.rate_hz;
   const auto period_ns = static_cast<std::int64_t>(1e9 * period_s);
   Pace pace(period_ns);
+  seen.news = RepeatWatch(usable(info.limits).encoder_step_m);
   Positions positions(info);
   static_cast<void>(request_real_time(kServoPriority));
   const std::int64_t start_ns = now_ns();

@@ -19,6 +19,7 @@ constexpr double kMostForce_n = 100.0;
 constexpr double kMostSlew_n_per_s = 1e6;
 constexpr double kMostDamping_n_s_per_m = 100.0;
 constexpr double kMostUndeclared_s = 0.004;
+constexpr double kMostStep_m = 0.001;
 
 // What no loop through a bus and motors undercuts, whatever is declared.
 constexpr double kLeastDelay_s = 0.001;
@@ -35,7 +36,7 @@ constexpr double kReached = 0.995;
 constexpr double kWish_s = 0.120;  // until a new wish is fulfilled in contact
 constexpr double kSofter = 0.5;    // after each onset of oscillation
 constexpr double kSoftest = 0.06;
-constexpr double kMeasuredFor_s = 1.0;    // a delay that was told, without another one
+constexpr double kMeasuredFor_s = 0.5;    // with a force, after a delay that was told, without another one
 constexpr double kForget_s = 10.0;        // in free space, until the whole stiffness is tried again
 constexpr double kStrike_m_per_s = 0.08;  // a faster touch is a strike
 constexpr double kBounce_s = 0.100;       // a hand that comes back sooner has bounced
@@ -72,6 +73,7 @@ DeviceLimits usable(const DeviceLimits& limits) noexcept {
   result.slew_n_per_s = between_zero_and(kMostSlew_n_per_s, limits.slew_n_per_s);
   result.least_damping_n_s_per_m = between_zero_and(kMostDamping_n_s_per_m, limits.least_damping_n_s_per_m);
   result.undeclared_s = between_zero_and(kMostUndeclared_s, limits.undeclared_s);
+  result.encoder_step_m = between_zero_and(kMostStep_m, limits.encoder_step_m);
   result.delay_ticks = std::clamp(limits.delay_ticks, 0, kLongestDelayTicks);
   return result;
 }
@@ -219,14 +221,15 @@ void Governor::watch_strike(double speed_m_per_s, double away_s) noexcept {
   soften();
 }
 
-/// Delays that the device no longer measures are forgotten in free space.
+/// Delays that the device no longer measures though a force acts are forgotten in free space.
 void Governor::watch_delay(const GovernorInput& input) noexcept {
   if (input.delay_s > 0.0) {
     delays_.add(input.delay_s);
     unmeasured_s_ = 0.0;
     return;
   }
-  unmeasured_s_ += input.period_s;
+  // A device that measures while a force acts tells nothing in the air.
+  if (!commanded_n_[delay()].isZero(0.0)) unmeasured_s_ += input.period_s;
   if (unmeasured_s_ > kMeasuredFor_s && !input.contact && delays_.p95_s(0.0) > 0.0) delays_ = {};
 }
 

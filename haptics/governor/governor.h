@@ -42,6 +42,9 @@ struct DeviceLimits {
   /// Delay beyond the declared and the measured one that cannot be ruled out, 0 to 4 ms: of what a hand would get from
   /// it, the governor brakes. 0 for a loop that is known, such as a simulated one.
   double undeclared_s = 0.002;
+  /// Longest move of the hand that one count on every encoder at once may seem, m; 0: not known. Shorter moves say
+  /// nothing about how often the device looks at the hand (LookMeter).
+  double encoder_step_m = 0.0;
 };
 
 /// The same with every number in the range of things that hands hold: what is not a number, negative or absurd becomes
@@ -173,7 +176,7 @@ class Governor {
   LoopMeter<2048> periods_;  // some seconds: its percentile hardly moves with jitter
   LoopMeter<> recent_periods_;
   LoopMeter<> delays_;
-  double unmeasured_s_ = 0.0;  // since the device told a delay
+  double unmeasured_s_ = 0.0;  // with a force, since the device told a delay
   double pace_s_ = 0.0;        // of this tick
   bool jitters_ = false;
   bool repeats_ = false;  // the device was found to repeat

@@ -16,6 +16,7 @@ constexpr double kLongestLook_s = 0.1;  // a hand that was the same for longer h
 constexpr std::size_t kEnough = 3;      // jumps after repeats
 constexpr std::size_t kLong = 2;        // of the last jumps are longer than the pace: some are after a rest
 constexpr double kLate = 1.5;  // of the median: a look that comes later is one that was lost, or the hand rests
+constexpr double kRest = 3.0;  // of the median: no look takes so long
 constexpr double kWindow_s = 1.0;
 
 }  // namespace
@@ -23,8 +24,8 @@ constexpr double kWindow_s = 1.0;
 double LookMeter::step_m() const noexcept {
   const double now_m = least_moves_m_[0];
   const double before_m = least_moves_m_[1];
-  if (now_m > 0.0 && before_m > 0.0) return std::min(now_m, before_m);
-  return std::max(now_m, before_m) > 0.0 ? std::max(now_m, before_m) : kLikelyEncoderStep_m;
+  const double least_m = now_m > 0.0 && before_m > 0.0 ? std::min(now_m, before_m) : std::max(now_m, before_m);
+  return std::max(least_step_m_, least_m > 0.0 ? least_m : kLikelyEncoderStep_m);
 }
 
 /// The smallest move of the last one to two seconds is taken for the encoder's step.
@@ -42,12 +43,15 @@ void LookMeter::learn_step(double moved_m, double period_s) noexcept {
 }
 
 void LookMeter::find_pace() noexcept {
-  std::array<double, kKept> times;
+  std::array<double, kKept> times{};
   for (std::size_t k = 0; k < count_; ++k) times[k] = jumps_[k].interval_s;
   const auto end = times.begin() + static_cast<std::ptrdiff_t>(count_);
   std::sort(times.begin(), end, std::greater<>());
-  pace_s_ = times[std::min(kLong, count_ - 1)];
-  look_s_ = std::min(pace_s_, kLate * times[count_ / 2]);
+  const double median_s = times[count_ / 2];
+  // A hand that sticks and slips rests before each slip.
+  const auto rests = std::count_if(times.begin(), end, [&](double time_s) { return time_s > kRest * median_s; });
+  pace_s_ = times[std::min(static_cast<std::size_t>(rests) + kLong, count_ - 1)];
+  look_s_ = std::min(pace_s_, kLate * median_s);
 }
 
 void LookMeter::add(const Jump& jump) noexcept {

@@ -14,6 +14,9 @@ namespace sparsha::haptics {
 /// only; no allocation. Metres, seconds, any frame.
 class LookMeter {
  public:
+  /// `least_step_m`: DeviceLimits::encoder_step_m.
+  explicit LookMeter(double least_step_m = 0.0) noexcept : least_step_m_(least_step_m) {}
+
   /// A finite position that the device calls new, `period_s` after the last one of those. True: it is a repeat, and
   /// says nothing about the hand.
   [[nodiscard]] bool repeats(const Eigen::Vector3d& position_m, double period_s) noexcept;
@@ -35,6 +38,7 @@ class LookMeter {
   void find_pace() noexcept;
   [[nodiscard]] double step_m() const noexcept;
 
+  double least_step_m_;
   bool known_ = false;
   Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();
   double held_s_ = 0.0;        // from the first sample at this position to the last

@@ -29,7 +29,8 @@ HapticRenderer::HapticRenderer(const DeviceInfo& device, const RendererOptions& 
       centre_m_(point_on(surface_->centre_m.head<2>())),
       wish_n_per_m_(options.stiffness_n_per_m),
       stiffness_n_per_m_(0.0),
-      governor_(device.limits) {
+      governor_(device.limits),
+      looks_(usable(device.limits).encoder_step_m) {
   if (window_.object != nullptr) {
     centre_m_ = window_.object->origin_m + window_.object->box_m.center();
     placement_ = Placement{std::nullopt, centre_m_};

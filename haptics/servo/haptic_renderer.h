@@ -162,7 +162,7 @@ class HapticRenderer {
   ProxyUpdate found_;
   SwapFade fade_;
   EffectForces effects_;
-  LookMeter looks_;
+  LookMeter looks_;         // of the device's encoders
   bool repeated_ = false;   // the position of this tick was found to be that of a look before
   double unheard_s_ = 0.0;  // since a sample that the device called fresh
   Guidance guidance_;

@@ -14,7 +14,7 @@ constexpr double kLongAgo_s = 0.1;
 constexpr double kNoise_m = 0.001;
 // A hand that strikes a hard stop is slowed by some 100 m/s^2, once.
 constexpr double kQuickestTurn_m_per_s2 = 200.0;
-constexpr double kLeastTurn_m = 0.0002;  // smaller ones are an encoder's
+constexpr double kLeastTurn_m = 0.0004;  // smaller ones are an encoder's, or noise
 constexpr int kMostTurns = 4;
 
 }  // namespace
@@ -49,18 +49,22 @@ void HandSpeed::watch_turns(const Eigen::Vector3d& moved_m, double passed_s) noe
   moved_m_ = moved_m;
 }
 
-bool HandSpeed::jumps(const DeviceSample& sample, double period_s) noexcept {
+bool HandSpeed::jumps(const DeviceSample& sample, double period_s, double look_s) noexcept {
   if (!(fastest_m_per_s_ > 0.0) || !sample.fresh) return false;
   if (!sample.homed || !sample.connected || !sample.position_m.allFinite()) {
     known_ = false;  // no position that the next could be compared with
     moved_m_.setZero();
     return false;
   }
-  const double passed_s = std::max(period_s, sample.time_s - time_s_);
+  const double passed_s = std::max({period_s, sample.time_s - time_s_, std::min(look_s, sample.time_s - changed_s_)});
   const bool lately = known_ && passed_s < kLongAgo_s;
   const Eigen::Vector3d moved_m = lately ? Eigen::Vector3d(sample.position_m - position_m_) : Eigen::Vector3d::Zero();
   const bool jumped = moved_m.norm() > kNoise_m + fastest_m_per_s_ * passed_s;
-  watch_turns(moved_m, passed_s);
+  const bool repeated = lately && moved_m.isZero(0.0);
+  if (!repeated) {
+    watch_turns(moved_m, passed_s);
+    changed_s_ = sample.time_s;
+  }
   known_ = true;
   time_s_ = sample.time_s;
   position_m_ = sample.position_m;

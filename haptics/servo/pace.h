@@ -41,8 +41,9 @@ class HandSpeed {
 
   /// True when this fresh sample is farther from the one before than a hand moves in that time, and while samples go to
   /// and fro as no hand can turn: the energy of such a tremble is none that the governor can account for. The next is
-  /// judged from here on. `period_s`: the planned one.
-  [[nodiscard]] bool jumps(const DeviceSample& sample, double period_s) noexcept;
+  /// judged from here on. `period_s`: the planned one. `look_s`: between two looks of a device that repeats positions
+  /// (LookMeter), 0 for others: a hand may have gone on for so long before a repeated position changes.
+  [[nodiscard]] bool jumps(const DeviceSample& sample, double period_s, double look_s = 0.0) noexcept;
 
  private:
   void watch_turns(const Eigen::Vector3d& moved_m, double passed_s) noexcept;
@@ -52,6 +53,7 @@ class HandSpeed {
   int turns_ = 0;  // that no hand can make: of the last samples, less one for each that was none
   Eigen::Vector3d moved_m_ = Eigen::Vector3d::Zero();
   double time_s_ = 0.0;
+  double changed_s_ = 0.0;  // when the position changed last
   Eigen::Vector3d position_m_ = Eigen::Vector3d::Zero();
 };
 

@@ -127,7 +127,7 @@ void Servo::tick(std::int64_t late_ns, double time_s, bool late_wake) noexcept {
   }
   const bool late_hand = late_wake || is_late(in_hand_ns);
   if (late_hand && !late_wake) stop_force();
-  const bool jumped = hand_speed_.jumps(sample, std::max(period_s_, renderer_.look_s()));
+  const bool jumped = hand_speed_.jumps(sample, period_s_, renderer_.look_s());
   if (jumped) jumps_.fetch_add(1, std::memory_order_relaxed);
   if (pace_.runs_away()) runaways_.fetch_add(1, std::memory_order_relaxed);
   if (late_hand || jumped || pace_.runs_away() || watchdog_.tripped()) renderer_.fault();

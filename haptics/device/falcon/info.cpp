@@ -55,6 +55,7 @@ DeviceInfo falcon_info(const FalconOptions& options) {
   // Each answer tells the loop's delay but for the firmware's own cycle and the motors
   // (docs/change/decisions/0021-undeclared-delay-of-a-falcon.md).
   info.limits.undeclared_s = 0.001;
+  info.limits.encoder_step_m = 70e-6;  // of the grip, two or three counts at once, anywhere in the workspace
   info.paced = true;
   info.fastest_m_per_s = 5.0;
   if (!(options.counts_per_newton_metre > 0.0))

@@ -127,6 +127,17 @@ TEST(LookMeter, AHandThatRestsIsSeenAtThePaceOfTheLooks) {
   }
 }
 
+TEST(LookMeter, AHandThatSticksAndSlipsIsNoSlowerDevice) {
+  // Slips of 0.6 mm, each 60 ms, at the speed of a relaxed grip.
+  const Motion slipping = [](double t) -> Vector3d {
+    const double whole = std::floor(t / 0.06);
+    return {0.0006 * (whole + std::min(1.0, (t / 0.06 - whole) * 60.0 / 12.0)), 0.0, 0.0};
+  };
+  const Seen seen = watch({.look_hz = 200.0, .step_m = 20e-6}, slipping, 4.0);
+  EXPECT_GT(seen.repeats, 0U);
+  EXPECT_LE(seen.pace_s, 0.0125);
+}
+
 TEST(LookMeter, AHandThatMovesEachTickEndsIt) {
   LookMeter meter;
   Vector3d place = Vector3d::Zero();

@@ -85,9 +85,33 @@ TEST(HandSpeed, FindsATrembleThatNoHandCanMakeAndNoStrikeNoiseOrTremor) {
   const auto tremor = [](double time_s, int) { return 0.01 * std::sin(2.0 * std::numbers::pi * 12.0 * time_s); };
   EXPECT_EQ(jumps_of(1000, 0.001, tremor), 0);
   std::mt19937 random(5);
-  std::normal_distribution<double> noise_m(0.0, 60e-6);
-  EXPECT_EQ(jumps_of(20'000, 0.001, [&](double time_s, int tick) { return tremor(time_s, tick) + noise_m(random); }),
-            0);
+  std::normal_distribution<double> noise_m(0.0, 80e-6);
+  HandSpeed noisy(5.0);
+  for (int tick = 0; tick < 50'000; ++tick) {
+    const double time_s = 0.001 * tick;
+    const double z_m = tremor(time_s, tick) + noise_m(random);
+    ASSERT_FALSE(noisy.jumps(sample_at({noise_m(random), noise_m(random), z_m}, time_s), 0.001)) << tick;
+  }
+}
+
+TEST(HandSpeed, FindsATrembleWhosePositionsComeTwice) {
+  for (const double look_s : {0.0, 0.002, 0.01}) {
+    HandSpeed hand(5.0);
+    int jumps = 0;
+    for (int tick = 0; tick < 1000; ++tick) {
+      const double z_m = tick / 2 % 2 == 0 ? 0.0 : 0.002;
+      if (hand.jumps(sample_at({0.0, 0.0, z_m}, 0.001 * tick), 0.001, look_s)) ++jumps;
+    }
+    EXPECT_GT(jumps, 980) << look_s;
+  }
+}
+
+TEST(HandSpeed, OfADeviceThatRepeatsAllowsWhatPassedSinceThePositionChanged) {
+  HandSpeed hand(5.0);
+  const auto at = [](double x_m, double time_s) { return sample_at({x_m, 0.0, 0.0}, time_s); };
+  for (int tick = 0; tick < 10; ++tick) EXPECT_FALSE(hand.jumps(at(0.0, 0.001 * tick), 0.001, 0.01));
+  EXPECT_FALSE(hand.jumps(at(0.04, 0.010), 0.001, 0.01)) << "4 m/s for a look of 10 ms";
+  EXPECT_TRUE(hand.jumps(at(0.08, 0.011), 0.001, 0.01)) << "40 m/s for a tick";
 }
 
 TEST(HandSpeed, FindsJumpsAndNothingElse) {

@@ -3,8 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
+
+#include "haptics/device/falcon/falcon.h"
+#include "haptics/governor/look_meter.h"
 
 namespace {
 
@@ -38,6 +43,34 @@ TEST(FalconKinematics, ForwardGivesTheGoldenPositionsOfCounts) {
   // Thigh and shin are in line at 97.9 degrees (1727 counts): beyond, no pose has these angles.
   EXPECT_TRUE(forward(angles_from_counts({1700, 1700, 1700}), kNeutral_m));
   EXPECT_FALSE(forward(angles_from_counts({1750, 1750, 1750}), kNeutral_m));
+}
+
+TEST(FalconKinematics, SlowHandsAreNotTakenForADeviceThatRepeats) {
+  const double step_m = falcon_info({}).limits.encoder_step_m;
+  std::mt19937 random(3);
+  const auto between = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  int circles = 0;
+  while (circles < 200) {
+    const Vector3d centre(between(-0.04, 0.04), between(-0.04, 0.04), between(0.1, 0.175));
+    const double radius_m = between(0.003, 0.008), speed_m_per_s = between(0.006, 0.025);
+    const Vector3d u = Vector3d(between(-1, 1), between(-1, 1), between(-1, 1)).normalized();
+    const Vector3d v = u.cross(Vector3d(between(-1, 1), between(-1, 1), between(-1, 1))).normalized();
+    sparsha::haptics::LookMeter meter(step_m);
+    Vector3d seen_m = centre;
+    bool reached = true;
+    for (int tick = 0; tick < 2850 && reached; ++tick) {
+      const double angle = speed_m_per_s / radius_m * tick / 950.0;
+      const auto angles = inverse(centre + radius_m * (std::cos(angle) * u + std::sin(angle) * v));
+      const auto found = angles ? forward(angles_from_counts(counts_from_angles(*angles)), seen_m) : std::nullopt;
+      reached = found.has_value();
+      if (!reached) break;
+      seen_m = *found;
+      ASSERT_FALSE(meter.repeats(seen_m, 1.0 / 950.0)) << centre.transpose() << ", " << speed_m_per_s << ", " << tick;
+    }
+    circles += reached ? 1 : 0;
+  }
 }
 
 TEST(FalconKinematics, InverseGivesTheGoldenAnglesOfPositions) {
