@@ -208,13 +208,27 @@ std::vector<std::string> DepthScans::take_warnings() {
   return std::exchange(warnings_, {});
 }
 
-void DepthScans::read(Progress& progress) {
+// The memory is that of one cloud: what was read of the one before is given up meanwhile, and comes again when reading
+// fails.
+ReadPoints DepthScans::read_anew(Progress& progress) {
   std::vector<scene::ScanConfig> scans;
+  Refinement* before = nullptr;  // only this work replaces it
   {
     const std::lock_guard lock(mutex_);
     scans = config_.scans;
+    before = refinement_.get();
   }
-  ReadPoints points = read_points(scans, title_, progress, most_points_);
+  if (before != nullptr) before->rest();  // without the lock, which it may wait for
+  try {
+    return read_points(scans, title_, progress, most_points_);
+  } catch (...) {
+    if (before != nullptr) before->resume();
+    throw;
+  }
+}
+
+void DepthScans::read(Progress& progress) {
+  ReadPoints points = read_anew(progress);
   const std::shared_ptr<const viewer::PointView> view = points.view;
   std::unique_ptr<Refinement> refinement;  // the one before ends without the lock, which it may wait for
   if (!points.coarse.empty()) {

@@ -65,6 +65,7 @@ class DepthScans {
  private:
   void start(const std::string& stage, std::function<void(Progress&)> work);
   void note(const std::string& text, bool problem = false);
+  [[nodiscard]] ReadPoints read_anew(Progress& progress);
   void read(Progress& progress);
   void suggest(Progress& progress);
   void require_trust() const;

@@ -21,7 +21,6 @@ using pipeline::CloudBlock;
 using pipeline::ScanSet;
 
 constexpr std::uint64_t kMeshPoints = 2'000'000;
-constexpr std::uint32_t kUncoloured = 0xFFB0B0B0U;
 
 class Collector {
  public:
@@ -132,6 +131,7 @@ ReadPoints read_points(const std::vector<scene::ScanConfig>& scans, const std::s
       if (octree && sets.back()->unread() > 0) {
         const int level = octree->level_of_points(coarse);
         const auto station = static_cast<std::uint8_t>(std::min<std::size_t>(sets.size() - 1, 255));
+        if (sets.back()->drops_empty_returns()) octree->drop_empty_returns();
         result.coarse.push_back({std::move(octree), level, station});
       }
     } catch (const pipeline::EmptyScan& empty) {

@@ -1,20 +1,26 @@
 #include "app/raw_scans/refinement.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
 
-#include <Eigen/LU>
+#include <fmt/format.h>
 
-#include "base/error.h"
+#include <Eigen/LU>
 
 namespace sparsha::app {
 namespace {
 
 /// Of the machine's cores, so that pictures are drawn meanwhile.
 unsigned some_cores() { return std::max(std::thread::hardware_concurrency() / 2, 1U); }
+
+/// What is read is shown so often.
+constexpr std::chrono::milliseconds kPublished{50};
+
+std::uint64_t counted(const DetailNode& node) { return std::max(node.points, kLeastCounted); }
 
 bool outside(const scene::CropConfig& crop, const DetailNode& node, const Eigen::Vector3d& origin_m) {
   return ((node.low_m + origin_m).array() > crop.max_m.array()).any() ||
@@ -47,11 +53,11 @@ Wanted wanted_nodes(const std::vector<DetailNode>& nodes, const Look& look, cons
   Wanted wanted;
   std::uint64_t points = 0;
   for (const auto& [distance, n] : order) {
-    if (nodes[n].points > most_points - points) {
+    if (counted(nodes[n]) > most_points - points) {
       wanted.all = false;
       break;
     }
-    points += nodes[n].points;
+    points += counted(nodes[n]);
     wanted.nodes.push_back(n);
   }
   return wanted;
@@ -86,13 +92,38 @@ void Refinement::list_nodes() {
     }
   }
   loaded_.resize(nodes_.size());
+  failures_.resize(scans_.size());
 }
 
 void Refinement::look(const Look& look) {
   {
     const std::lock_guard lock(mutex_);
+    last_ = look;
+    if (resting_) return;
     asked_ = look;
     busy_ = true;
+  }
+  wake_.notify_all();
+}
+
+void Refinement::rest() {
+  std::unique_lock lock(mutex_);
+  resting_ = true;
+  asked_.reset();
+  idle_.wait(lock, [&] { return !working_; });
+  busy_ = false;
+  detail_.reset();
+  for (const std::size_t n : here_) loaded_[n].points.reset();  // the worker waits for the lock
+  here_.clear();
+  held_ = 0;
+}
+
+void Refinement::resume() {
+  {
+    const std::lock_guard lock(mutex_);
+    resting_ = false;
+    asked_ = last_;
+    busy_ = asked_.has_value();
   }
   wake_.notify_all();
 }
@@ -112,9 +143,14 @@ std::uint64_t Refinement::bytes_read() const {
   return bytes_read_;
 }
 
+std::uint64_t Refinement::failures() const {
+  const std::lock_guard lock(mutex_);
+  return failed_;
+}
+
 bool Refinement::outdated() const {
   const std::lock_guard lock(mutex_);
-  return stop_ || asked_.has_value();
+  return stop_ || resting_ || asked_.has_value();
 }
 
 void Refinement::work() {
@@ -124,8 +160,11 @@ void Refinement::work() {
     {
       std::unique_lock lock(mutex_);
       busy_ = asked_.has_value();
+      working_ = false;
+      idle_.notify_all();
       wake_.wait(lock, [&] { return stop_ || asked_.has_value(); });
       if (stop_) return;
+      working_ = true;
       look = *asked_;
       asked_.reset();
     }
@@ -143,90 +182,152 @@ void Refinement::refine(const Look& look, ThreadPool& pool) {
   const Wanted wanted = wanted_nodes(nodes_, look, coarse_->origin_m, most_points_);
   ++looks_;
   for (const std::size_t n : wanted.nodes) loaded_[n].wanted_at = looks_;
-  while (!outdated()) {
-    const std::vector<std::size_t> batch = next_batch(wanted, pool.threads());
-    publish(wanted, batch.empty());
-    if (batch.empty()) return;
-    read(batch, pool);
+  const std::vector<Batch> batches = batches_of(wanted, pool.threads());
+  std::uint64_t points = 0;
+  for (const Batch& batch : batches)
+    for (const std::size_t n : batch) points += counted(nodes_[n]);
+  make_room(points);
+  publish(wanted, batches.empty());  // what makes room leaves the picture before more is read
+  auto published = std::chrono::steady_clock::now();
+  for (std::size_t k = 0; k < batches.size(); ++k) {
+    if (outdated()) return;
+    read(batches[k], pool);
+    const bool last = k + 1 == batches.size();
+    if (last) say_failures();
+    if (!last && std::chrono::steady_clock::now() - published < kPublished) continue;
+    publish(wanted, last);
+    published = std::chrono::steady_clock::now();
   }
 }
 
-std::vector<std::size_t> Refinement::next_batch(const Wanted& wanted, std::size_t at_most) const {
-  std::vector<std::size_t> batch;
+std::vector<Refinement::Batch> Refinement::batches_of(const Wanted& wanted, std::size_t at_most) const {
+  std::vector<Batch> batches;
+  std::vector<std::size_t> open(scans_.size());  // 1 + the batch that a scan's next node comes to
   for (const std::size_t n : wanted.nodes) {
     if (loaded_[n].points || loaded_[n].failed) continue;
-    if (!batch.empty() && nodes_[n].scan != nodes_[batch.front()].scan) continue;
-    batch.push_back(n);
-    if (batch.size() == at_most) break;
+    std::size_t& batch = open[nodes_[n].scan];
+    if (batch == 0) {
+      batches.emplace_back();
+      batch = batches.size();
+    }
+    batches[batch - 1].push_back(n);
+    if (batches[batch - 1].size() == at_most) batch = 0;
   }
-  std::sort(batch.begin(), batch.end());  // as they are in the file
-  return batch;
+  for (Batch& batch : batches) std::sort(batch.begin(), batch.end());  // as they are in the file
+  return batches;
 }
 
-void Refinement::read(const std::vector<std::size_t>& batch, ThreadPool& pool) {
-  CoarseScan& scan = scans_[nodes_[batch.front()].scan];
+void Refinement::read(const Batch& batch, ThreadPool& pool) {
+  if (loaded_[batch.front()].failed) return;  // its scan was given up
+  pipeline::OctreeScan& octree = *scans_[nodes_[batch.front()].scan].octree;
   std::vector<std::size_t> in_scan;
-  std::uint64_t points = 0;
-  for (const std::size_t n : batch) {
-    in_scan.push_back(nodes_[n].node);
-    points += nodes_[n].points;
-  }
-  make_room(points);
-  const std::uint64_t before = scan.octree->bytes_read();
-  std::vector<pipeline::OctreeScan::Points> read;
+  for (const std::size_t n : batch) in_scan.push_back(nodes_[n].node);
+  const std::uint64_t before = octree.bytes_read();
   try {
-    read = scan.octree->read(in_scan, coarse_->origin_m, pool);
+    keep(batch, octree.read(in_scan, coarse_->origin_m, pool), pool);
   } catch (const Cancelled&) {
     throw;
   } catch (const Error& error) {
-    if (batch.size() > 1) {  // which of them it is
-      for (const std::size_t n : batch) this->read({n}, pool);
-      return;
-    }
-    loaded_[batch.front()].failed = true;
-    say_(error.what());
+    fail(batch, error, pool);
     return;
   }
+  const std::lock_guard lock(mutex_);
+  bytes_read_ += octree.bytes_read() - before;
+}
+
+void Refinement::keep(const Batch& batch, std::vector<pipeline::OctreeScan::Points> read, ThreadPool& pool) {
+  const std::uint8_t station = scans_[nodes_[batch.front()].scan].station;
   const auto arranged = [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       auto part = std::make_shared<viewer::PointView>();
       part->origin_m = coarse_->origin_m;
       part->points = std::move(read[k].places);
+      const std::size_t count = part->points.size();
+      // As the coarse points: of several scans, one may have what another has not.
       if (!coarse_->rgba.empty()) part->rgba = std::move(read[k].rgba);
-      if (!coarse_->intensity.empty()) part->intensity = std::move(read[k].intensity);
-      if (!coarse_->station.empty()) part->station.assign(part->points.size(), scan.station);
       for (std::uint32_t& colour : part->rgba) colour |= 0xFF000000U;
+      if (!coarse_->rgba.empty() && part->rgba.empty()) part->rgba.assign(count, kUncoloured);
+      if (!coarse_->intensity.empty()) part->intensity = std::move(read[k].intensity);
+      if (!coarse_->intensity.empty() && part->intensity.empty()) part->intensity.assign(count, 0.0F);
+      if (!coarse_->station.empty()) part->station.assign(count, station);
       viewer::arrange(*part);
       loaded_[batch[k]].points = std::move(part);
     }
   };
   pool.for_ranges(batch.size(), 1, arranged);
-  held_ += points;
+  for (const std::size_t n : batch) {
+    here_.insert(n);
+    held_ += counted(nodes_[n]);
+  }
+}
+
+void Refinement::fail(const Batch& batch, const Error& error, ThreadPool& pool) {
+  const std::size_t scan = nodes_[batch.front()].scan;
+  try {
+    scans_[scan].octree->require_whole();
+  } catch (const Error& cut) {
+    give_up(scan);
+    say_(fmt::format("{}; its finer points are not read any more", cut.what()));
+    return;
+  }
+  if (batch.size() > 1) {  // which of them it is
+    for (const std::size_t n : batch) read({n}, pool);
+    return;
+  }
+  loaded_[batch.front()].failed = true;
+  {
+    const std::lock_guard lock(mutex_);
+    ++failed_;
+  }
+  if (++failures_[scan].nodes > 1) return;
+  failures_[scan].said = 1;
+  const std::size_t number = nodes_[batch.front()].node;
+  say_(fmt::format("{}; node {} of level {} is left out", error.what(), number,
+                   scans_[scan].octree->nodes()[number].level));
+}
+
+void Refinement::give_up(std::size_t scan) {
+  std::uint64_t count = 0;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    if (nodes_[n].scan != scan || loaded_[n].failed) continue;
+    loaded_[n].failed = true;  // also of what is here: it may have to make room
+    if (!loaded_[n].points) ++count;
+  }
+  failures_[scan].said = failures_[scan].nodes += count;
   const std::lock_guard lock(mutex_);
-  bytes_read_ += scan.octree->bytes_read() - before;
+  failed_ += count;
+}
+
+void Refinement::say_failures() {
+  for (std::size_t s = 0; s < scans_.size(); ++s) {
+    Failures& failures = failures_[s];
+    if (failures.nodes < 2 * std::max<std::uint64_t>(failures.said, 1)) continue;
+    failures.said = failures.nodes;
+    say_(fmt::format("{}: {} nodes cannot be read and are left out", scans_[s].octree->name(), failures.nodes));
+  }
 }
 
 void Refinement::make_room(std::uint64_t points) {
   if (held_ + points <= most_points_) return;
   std::vector<std::size_t> old;
-  for (std::size_t n = 0; n < loaded_.size(); ++n)
-    if (loaded_[n].points && loaded_[n].wanted_at < looks_) old.push_back(n);
+  for (const std::size_t n : here_)
+    if (loaded_[n].wanted_at < looks_) old.push_back(n);
   std::sort(old.begin(), old.end(), [&](std::size_t a, std::size_t b) {
     return std::pair(loaded_[a].wanted_at, a) < std::pair(loaded_[b].wanted_at, b);
   });
   for (const std::size_t n : old) {
     if (held_ + points <= most_points_) return;
     loaded_[n].points.reset();
-    held_ -= nodes_[n].points;
+    here_.erase(n);
+    held_ -= counted(nodes_[n]);
   }
 }
 
 void Refinement::publish(const Wanted& wanted, bool last) {
   auto detail = std::make_shared<viewer::PointDetail>();
-  for (const Loaded& loaded : loaded_) {
-    if (!loaded.points) continue;
-    detail->parts.push_back(loaded.points);
-    detail->points += loaded.points->points.size();
+  for (const std::size_t n : here_) {
+    detail->parts.push_back(loaded_[n].points);
+    detail->points += loaded_[n].points->points.size();
   }
   // Down to the last level that is here wherever the picture wants it.
   int whole = wanted.nodes.empty() ? 0 : nodes_[wanted.nodes.back()].levels_below - (wanted.all ? 0 : 1);

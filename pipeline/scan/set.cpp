@@ -364,6 +364,10 @@ const std::vector<std::string>& ScanSet::fields_of(std::size_t scan) const { ret
 
 const std::vector<FieldTally>& ScanSet::tallies_of(std::size_t scan) const { return scans_[scan]->raw.tallies; }
 
+bool ScanSet::drops_empty_returns() const {
+  return std::ranges::any_of(scans_, [](const auto& scan) { return scan->valid < scan->delivered; });
+}
+
 std::vector<Station> ScanSet::stations() const {
   std::vector<Station> stations;
   const auto add = [&](const Scan& scan, bool declared, const Eigen::Vector3d& place, const PointSample& sample) {

@@ -60,6 +60,8 @@ class ScanSet {
   [[nodiscard]] std::uint64_t invalid() const { return invalid_; }  ///< the files' own, before rounding
   /// Points that are in the files beside those, and that nobody wants by ScanPart.
   [[nodiscard]] std::uint64_t unread() const { return unread_; }
+  /// With Keep::disk: whether points at a scanner's place are left out as empty returns, see are_empty_returns().
+  [[nodiscard]] bool drops_empty_returns() const;
   [[nodiscard]] std::uint64_t faces() const { return faces_; }
   [[nodiscard]] bool has_colour() const { return colour_; }
   [[nodiscard]] bool has_intensity() const { return intensity_; }

@@ -74,6 +74,10 @@ std::uint64_t Splatter::visible(const PointView& points) const {
 
 std::uint64_t Splatter::add(const PointView& points, const SplatColours& colours, const SplatCrop& crop, double from,
                             double to, int size) {
+  std::vector<const PointBlock*> blocks;
+  for (const PointBlock& block : points.blocks)
+    if (sees(view_, block)) blocks.push_back(&block);
+  if (blocks.empty()) return 0;  // a detail has thousands of parts, most of them beside the picture
   const Mapping map = mapping_of(view_);
   const int width = view_.width, height = view_.height, before = (size - 1) / 2;
   const auto steps = static_cast<float>(colours.heights.size());
@@ -111,11 +115,10 @@ std::uint64_t Splatter::add(const PointView& points, const SplatColours& colours
     }
     return end - std::min(part(from), end);
   };
-  // A layer takes every so-many-th block: its thread has it alone.
-  pool_.for_ranges(layers_.size(), 1, [&](std::size_t layer, std::size_t) {
+  // A layer takes every so-many-th block: its thread has it alone. One block needs no other thread.
+  pool_.for_ranges(std::min(layers_.size(), blocks.size()), 1, [&](std::size_t layer, std::size_t) {
     std::uint64_t mine = 0;
-    for (std::size_t k = layer; k < points.blocks.size(); k += layers_.size())
-      if (sees(view_, points.blocks[k])) mine += draw(points.blocks[k], layers_[layer]);
+    for (std::size_t k = layer; k < blocks.size(); k += layers_.size()) mine += draw(*blocks[k], layers_[layer]);
     seen += mine;
   });
   return seen;

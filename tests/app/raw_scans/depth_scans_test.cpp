@@ -19,6 +19,7 @@
 #include "scene/folder/folder.h"
 #include "tests/support/part_scenes.h"
 #include "tests/support/test_folder.h"
+#include "tests/support/wait.h"
 #include "viewer/cloud/orientation.h"
 #include "viewer/cloud/preview.h"
 
@@ -28,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void finish(const DepthScans& scans) {
-  while (scans.status().busy) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  test::wait_until([&] { return !scans.status().busy; });
 }
 
 /// A plate in the plane of x and z, seen from -y, with a bump on its right half; text with comments.

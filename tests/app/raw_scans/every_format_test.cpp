@@ -1,15 +1,14 @@
 // A file of every format, dropped into the window, is shown, and gets a configuration as `sparsha new` makes it.
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <set>
 #include <string>
-#include <thread>
 
 #include "app/raw_scans/depth_scans.h"
 #include "base/files/files.h"
 #include "pipeline/scan/formats/formats.h"
 #include "tests/support/test_folder.h"
+#include "tests/support/wait.h"
 #include "tests/support/wave_files.h"
 
 namespace sparsha::app {
@@ -27,7 +26,7 @@ TEST(EveryFormat, GetsAConfigurationAndIsShownWhenItIsDropped) {
     DepthScans scans(std::vector<std::filesystem::path>{file});  // as a drop opens it
     EXPECT_EQ(scans.unavailable(), "") << wave.format;
     scans.open();
-    while (scans.status().busy) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    test::wait_until([&] { return !scans.status().busy; });
     ASSERT_TRUE(scans.status().points) << wave.format << ": " << scans.status().note;
     EXPECT_GE(scans.status().points->points.size(), 575U) << wave.format;  // PTX has none in the scanner's place
     ASSERT_GT(scans.status().proposals, 0U) << wave.format << ": " << scans.status().note;

@@ -5,135 +5,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
-#include <random>
 #include <set>
 #include <string>
-#include <thread>
-#include <tuple>
 #include <vector>
 
-#include "app/raw_scans/point_reader.h"
 #include "base/files/files.h"
-#include "pipeline/scan/reader.h"
-#include "tests/support/copc_file.h"
+#include "tests/app/raw_scans/refined.h"
 #include "tests/support/scan_files.h"
-#include "tests/support/test_folder.h"
 
-namespace sparsha::app {
+namespace sparsha::app::testing {
 namespace {
-
-namespace fs = std::filesystem;
-using pipeline::testing::CopcFile;
-using pipeline::testing::CopcNode;
-
-using Row = std::tuple<float, float, float, std::uint32_t, float>;
-
-void finish(const Refinement& refinement) {
-  while (refinement.busy()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
-}
-
-/// A root, all cells of level 1, and of level 2 those at the bottom; none at a lower corner of its cube.
-std::vector<CopcNode> three_levels() {
-  std::mt19937 random(11);
-  std::vector<CopcNode> nodes;
-  const auto add = [&](int level, const std::array<std::int32_t, 3>& cell, int count) {
-    const std::int32_t edge = 1600 >> level;
-    CopcNode node{level, cell, {}};
-    std::uniform_int_distribution<std::int32_t> place(1, edge - 1);
-    for (int n = 0; n < count; ++n) {
-      node.points.push_back(
-          {cell[0] * edge + place(random), cell[1] * edge + place(random), cell[2] * edge + place(random)});
-    }
-    nodes.push_back(std::move(node));
-  };
-  add(0, {0, 0, 0}, 300);
-  for (std::int32_t k = 0; k < 8; ++k) add(1, {k & 1, k >> 1 & 1, k >> 2}, 200);
-  for (std::int32_t k = 0; k < 16; ++k) add(2, {k & 3, k >> 2, 0}, 100);
-  return nodes;
-}
-
-/// Seen from +z, `metres` high around a place of the scan frame.
-viewer::SplatView around(const Eigen::Vector3d& place, double metres, const viewer::PointView& points) {
-  viewer::SplatView view;
-  view.width = 300;
-  view.height = 200;
-  view.pixels_per_m = view.height / metres;
-  view.target_m = place - points.origin_m;
-  return view;
-}
-
-bool in_picture(const viewer::SplatView& view, const Eigen::Vector3d& p) {
-  const Eigen::Vector3d pixel = view.to_pixel(p);
-  return pixel.x() >= 0.0 && pixel.x() <= view.width && pixel.y() >= 0.0 && pixel.y() <= view.height;
-}
-
-void add_rows(const viewer::PointView& points, const viewer::SplatView& view, std::vector<Row>& rows) {
-  for (std::size_t n = 0; n < points.points.size(); ++n) {
-    const Eigen::Vector3f& p = points.points[n];
-    if (!in_picture(view, p.cast<double>())) continue;
-    rows.emplace_back(p.x(), p.y(), p.z(), points.rgba.empty() ? 0 : points.rgba[n],
-                      points.intensity.empty() ? 0.0F : points.intensity[n]);
-  }
-}
-
-std::vector<Row> shown(const viewer::PointView& coarse, const viewer::PointDetail* detail,
-                       const viewer::SplatView& view) {
-  std::vector<Row> rows;
-  add_rows(coarse, view, rows);
-  if (detail != nullptr)
-    for (const auto& part : detail->parts) add_rows(*part, view, rows);
-  std::sort(rows.begin(), rows.end());
-  return rows;
-}
-
-/// What reading all of the file gives.
-std::vector<Row> all_of(const scene::ScanConfig& scan, const viewer::PointView& coarse, const viewer::SplatView& view) {
-  Progress progress;
-  const pipeline::Cloud cloud = pipeline::load_scan(scan, progress, coarse.origin_m);
-  std::vector<Row> rows;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const float* const p = cloud.xyz1() + 4 * i;
-    if (!in_picture(view, Eigen::Vector3d(p[0], p[1], p[2]))) continue;
-    rows.emplace_back(p[0], p[1], p[2], cloud.rgba.empty() ? 0 : cloud.rgba[i] | 0xFF000000U, cloud.intensity[i]);
-  }
-  std::sort(rows.begin(), rows.end());
-  return rows;
-}
-
-struct Opened {
-  std::shared_ptr<const viewer::PointView> coarse;
-  std::unique_ptr<Refinement> refinement;
-  std::vector<std::string> said;
-
-  Opened(const scene::ScanConfig& scan, std::uint64_t coarse_points, std::uint64_t most_points) {
-    Progress progress;
-    ReadPoints read = read_points({scan}, "a", progress, kMostPointsShown, coarse_points);
-    coarse = read.view;
-    EXPECT_FALSE(read.coarse.empty());
-    refinement = std::make_unique<Refinement>(std::move(read.coarse), coarse, most_points,
-                                              [this](const std::string& words) { said.push_back(words); });
-  }
-};
-
-struct Written {
-  test::TestFolder folder;
-  std::vector<CopcNode> nodes = three_levels();
-  CopcFile file{nodes};
-  scene::ScanConfig scan;
-
-  Written() {
-    scan.file = folder / "a.copc.laz";
-    scan.units.unit = scene::LengthUnit::m;
-    write_file(scan.file, file.bytes);
-  }
-  /// Whether the node's cube reaches into a rectangle over x and y, with a step of the coordinates.
-  [[nodiscard]] bool meets(std::size_t n, double x0, double y0, double x1, double y1) const {
-    const double edge = CopcFile::kSide / (1 << nodes[n].level), step = CopcFile::kScale;
-    const double x = edge * nodes[n].cell[0], y = edge * nodes[n].cell[1];
-    return x - step <= x1 && x + edge + step >= x0 && y - step <= y1 && y + edge + step >= y0;
-  }
-};
 
 TEST(Refinement, ThePointsInThePictureAreThoseOfDecodingAllAndOtherChunksAreNotRead) {
   Written written;
@@ -190,7 +71,7 @@ TEST(Refinement, FromAfarNothingIsReadAndCloserOneLevelAfterTheOther) {
 
 TEST(Refinement, TheMemoryIsBoundedAndWhatWasLookedAtLongAgoGoesFirst) {
   const Written written;
-  constexpr std::uint64_t kMost = 700;  // three nodes of level 1 and one of level 2, or two and three
+  constexpr std::uint64_t kMost = 4 * kLeastCounted;  // a picture wants three, which have few points
   Opened opened(written.scan, 1, kMost);
   std::set<const viewer::PointView*> before;
   for (const auto& [x, y] : {std::pair{2.0, 2.0}, {14.0, 2.0}, {14.0, 14.0}, {2.0, 14.0}, {2.0, 2.0}}) {
@@ -198,7 +79,7 @@ TEST(Refinement, TheMemoryIsBoundedAndWhatWasLookedAtLongAgoGoesFirst) {
     opened.refinement->look({view, {}});
     finish(*opened.refinement);
     const auto detail = opened.refinement->detail();
-    EXPECT_LE(detail->points, kMost);
+    EXPECT_LE(detail->parts.size(), 4U) << "a node takes memory beside its points";
     EXPECT_TRUE(detail->whole);
     EXPECT_EQ(shown(*opened.coarse, detail.get(), view), all_of(written.scan, *opened.coarse, view));
   }
@@ -207,7 +88,7 @@ TEST(Refinement, TheMemoryIsBoundedAndWhatWasLookedAtLongAgoGoesFirst) {
   opened.refinement->look({whole, {}});
   finish(*opened.refinement);
   EXPECT_FALSE(opened.refinement->detail()->whole);
-  EXPECT_LE(opened.refinement->detail()->points, kMost);
+  EXPECT_EQ(opened.refinement->detail()->parts.size(), 4U);
   EXPECT_EQ(opened.refinement->detail()->spacing_m, 0.0) << "no level is whole";
 }
 
@@ -218,7 +99,7 @@ TEST(Refinement, CoarseNodesComeFirstThenThoseNearTheMiddleAndTheViewer) {
     made.low_m = middle - Eigen::Vector3d::Constant(0.5);
     made.high_m = middle + Eigen::Vector3d::Constant(0.5);
     made.parents_apart_m = 0.1;
-    made.points = 10;
+    made.points = 6000;
     return made;
   };
   const std::vector<DetailNode> nodes{node(2, {0, 0, 0}), node(1, {2, 0, 0}), node(1, {0, 1, -3}),
@@ -228,14 +109,18 @@ TEST(Refinement, CoarseNodesComeFirstThenThoseNearTheMiddleAndTheViewer) {
   view.width = view.height = 100;
   const Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   const auto order = [&](const Look& look, std::uint64_t most) { return wanted_nodes(nodes, look, origin, most); };
-  EXPECT_EQ(order({view, {}}, 1000).nodes, (std::vector<std::size_t>{3, 5, 1, 2, 0}));
-  EXPECT_TRUE(order({view, {}}, 1000).all);
-  EXPECT_EQ(order({view, {}}, 25).nodes, (std::vector<std::size_t>{3, 5}));
-  EXPECT_FALSE(order({view, {}}, 25).all);
+  EXPECT_EQ(order({view, {}}, 100'000).nodes, (std::vector<std::size_t>{3, 5, 1, 2, 0}));
+  EXPECT_TRUE(order({view, {}}, 100'000).all);
+  EXPECT_EQ(order({view, {}}, 15'000).nodes, (std::vector<std::size_t>{3, 5}));
+  EXPECT_FALSE(order({view, {}}, 15'000).all);
   const scene::CropConfig upper{{-9, -9, 0.6}, {9, 9, 9}};
-  EXPECT_EQ(order({view, upper}, 1000).nodes, (std::vector<std::size_t>{3}));
+  EXPECT_EQ(order({view, upper}, 100'000).nodes, (std::vector<std::size_t>{3}));
+  std::vector<DetailNode> small = nodes;
+  for (DetailNode& made : small) made.points = 1;
+  EXPECT_EQ(wanted_nodes(small, {view, {}}, origin, 2 * kLeastCounted).nodes, (std::vector<std::size_t>{3, 5}))
+      << "a node takes memory beside its points";
   view.pixels_per_m = 9.0;
-  EXPECT_TRUE(order({view, {}}, 1000).nodes.empty());
+  EXPECT_TRUE(order({view, {}}, 100'000).nodes.empty());
 }
 
 TEST(Refinement, ADamagedNodeIsSaidOnceAndLeavesTheOthers) {
@@ -253,6 +138,7 @@ TEST(Refinement, ADamagedNodeIsSaidOnceAndLeavesTheOthers) {
   EXPECT_EQ(opened.refinement->detail()->parts.size(), written.nodes.size() - 2);
   ASSERT_EQ(opened.said.size(), 1U);
   EXPECT_NE(opened.said.front().find("at byte"), std::string::npos) << opened.said.front();
+  EXPECT_NE(opened.said.front().find("node 3 of level 1"), std::string::npos) << opened.said.front();
 }
 
 TEST(Refinement, ANewLookTakesThePlaceOfTheOneBeforeAndItEndsInTheMiddle) {
@@ -294,4 +180,4 @@ TEST(RealScanRefinement, ALionIsShownAsDecodingAllOfItDoes) {
 }
 
 }  // namespace
-}  // namespace sparsha::app
+}  // namespace sparsha::app::testing

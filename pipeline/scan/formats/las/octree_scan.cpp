@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/formats/las/las.h"
 #include "pipeline/scan/formats/las/laz.h"
 
@@ -102,6 +103,7 @@ void OctreeScan::add_records(std::string_view records, const Eigen::Vector3d& or
   RawScan raw;
   const PointSink sink = [&](const PointBlock& block) {
     for (std::size_t i = 0; i < block.points.size(); ++i) {
+      if (drop_empty_returns_ && is_at_scanner(block.points[i], block.station)) continue;
       const Eigen::Vector3f q = (placement_(block.points[i]) - origin_m).cast<float>();
       if (!(q.cwiseAbs().maxCoeff() < kFar)) continue;
       points.places.push_back(q);

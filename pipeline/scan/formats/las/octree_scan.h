@@ -50,6 +50,12 @@ class OctreeScan {
   /// The deepest level that ReadOptions::enough takes for so many points.
   [[nodiscard]] int level_of_points(std::uint64_t points) const { return octree_.level_of_points(points); }
 
+  /// From now on read() leaves out points at 0 0 0 of the file, as ScanSet does where they are empty returns.
+  void drop_empty_returns() { drop_empty_returns_ = true; }
+  /// Throws Error{input} when the file became shorter since open(): then no node can be trusted any more.
+  void require_whole() const { map_.require_whole(); }
+  [[nodiscard]] const std::string& name() const { return file_.name; }  ///< of the file
+
   /// The points of some nodes, which are given in ascending order; reads no other bytes of the file's points. Throws
   /// Error{input}, Cancelled.
   [[nodiscard]] std::vector<Points> read(std::span<const std::size_t> nodes, const Eigen::Vector3d& origin_m,
@@ -77,6 +83,7 @@ class OctreeScan {
   std::vector<Node> nodes_;
   std::string first_;  ///< records whose colours tell their range
   std::uint64_t bytes_read_ = 0;
+  bool drop_empty_returns_ = false;
 };
 
 }  // namespace sparsha::pipeline
