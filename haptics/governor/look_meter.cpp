@@ -10,13 +10,14 @@ namespace {
 
 // Three axes that go on by a step each, or two by two steps, are no jump.
 constexpr double kJumpSteps = 3.0;
-constexpr double kPlaySteps = 2.0;      // of a jump, that the hand need not have gone
-constexpr double kSeenSteps = 2.0;      // that a hand would have gone before: then it would have been seen
-constexpr double kLongestLook_s = 0.1;  // a hand that was the same for longer had rested
-constexpr std::size_t kEnough = 3;      // jumps after repeats
-constexpr std::size_t kLong = 2;        // of the last jumps are longer than the pace: some are after a rest
-constexpr double kLate = 1.5;  // of the median: a look that comes later is one that was lost, or the hand rests
-constexpr double kRest = 3.0;  // of the median: no look takes so long
+constexpr double kPlaySteps = 2.0;  // of a jump, that the hand need not have gone
+constexpr double kSeenSteps = 2.0;  // that a hand would have gone before: then it would have been seen
+// 100 Hz, jitter and a lost look: a hand that was the same for longer had rested.
+constexpr double kLongestLook_s = 0.03;
+constexpr std::size_t kEnough = 3;  // jumps after repeats
+constexpr std::size_t kLong = 2;    // of the last jumps are longer than the pace: some are after a rest
+constexpr double kLate = 1.5;       // of the median: a look that comes later is one that was lost, or the hand rests
+constexpr double kRest = 3.0;       // of the median: no look takes so long
 constexpr double kWindow_s = 1.0;
 
 }  // namespace
