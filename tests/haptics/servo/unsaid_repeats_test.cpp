@@ -83,6 +83,7 @@ TEST(UnsaidRepeats, AHandThatRestsKeepsItsForceAndSwingsLittle) {
       });
       EXPECT_GT(felt.repeated, 1000U) << how.words();
       EXPECT_EQ(without_force, 0U) << how.words();
+      EXPECT_LE(felt.swing_m, std::max(100e-6, 5.0 * step_m)) << how.words();
       how.says_so = true;
       EXPECT_GT(felt.mean_n, 0.9 * feel(how).mean_n) << how.words();
       EXPECT_GT(felt.mean_n, 0.3) << how.words();
