@@ -1,10 +1,8 @@
 // A recording across new depth scans and edited parts, played and traced by the program itself.
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <fstream>
-#include <thread>
 
 #include <Eigen/Geometry>
 
@@ -15,6 +13,7 @@
 #include "scene/folder/folder.h"
 #include "tests/app/program.h"
 #include "tests/support/changing_scenes.h"
+#include "tests/support/wait.h"
 
 namespace sparsha {
 namespace {
@@ -58,7 +57,7 @@ class RecordedByTheSession : public Program {
         Eigen::Affine3d(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d(1.0, 0.3, 0.1).normalized())).matrix() *
         scene->description().config.orientation.scan_to_grid;
     scans.scan_from(turned);
-    while (scans.status().busy) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    test::wait_until([&] { return !scans.status().busy; });
     ScenePointer result = scans.take_scene();
     EXPECT_TRUE(result) << scans.status().note;
     return result;
