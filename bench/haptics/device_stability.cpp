@@ -20,8 +20,6 @@ using test::Ground;
 using test::TouchCase;
 using test::TouchResult;
 
-constexpr std::array kMasses_kg{0.05, 0.15, 0.5};
-constexpr std::array kDampings{0.3, 0.5, 1.0, 2.0, 5.0, 10.0};
 constexpr double kGate = 0.3;     // the gain of the documented inventory
 constexpr double kUsb_s = 0.001;  // from service to motors: taken, no page tells it
 
@@ -70,8 +68,8 @@ std::vector<TouchCase> inverse3_loops() {
 std::vector<TouchRun> run_all(const std::vector<TouchCase>& loops, bool quick) {
   std::vector<TouchRun> runs;
   for (TouchCase c : loops)
-    for (const double mass : kMasses_kg)
-      for (const double damping : kDampings)
+    for (const double mass : kHandMasses_kg)
+      for (const double damping : kHandDampings_n_s_per_m)
         for (const bool stroke : {false, true})
           for (const Ground ground : test::kGrounds) {
             if (quick && ground != Ground::plane && ground != Ground::relief) continue;

@@ -19,8 +19,6 @@ using test::Ground;
 using test::TouchCase;
 using test::TouchResult;
 
-constexpr std::array kMasses_kg{0.05, 0.15, 0.5};
-constexpr std::array kDampings{0.3, 0.5, 1.0, 2.0, 5.0, 10.0};
 constexpr double kOrdinary = 2.0;  // N s/m, of hand and device together, and more: the hand of the stiffness limit
 
 /// A loop and a motion; hands of all masses and dampings go through it.
@@ -74,8 +72,8 @@ std::vector<TouchCase> motions(TouchCase c, bool quick) {
 std::vector<TouchRun> run_all(const Loops& loops, bool quick) {
   std::vector<TouchRun> runs;
   for (const TouchCase& loop : loops)
-    for (const double mass : kMasses_kg)
-      for (const double damping : kDampings) {
+    for (const double mass : kHandMasses_kg)
+      for (const double damping : kHandDampings_n_s_per_m) {
         TouchCase c = loop;
         c.mass_kg = mass;
         c.damping_n_s_per_m = damping;
@@ -127,7 +125,7 @@ void print_table(const Loops& loops, const std::vector<TouchRun>& runs) {
       "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
   for (const TouchCase& loop : loops)
     for (const bool ordinary : {true, false})
-      for (const double mass : kMasses_kg) {
+      for (const double mass : kHandMasses_kg) {
         Worst worst;
         for (const TouchRun& run : runs)
           if (same_loop(run.c, loop) && run.c.mass_kg == mass && (run.c.damping_n_s_per_m >= kOrdinary) == ordinary)
@@ -174,12 +172,12 @@ bool draw(const std::filesystem::path& file, const std::vector<TouchRun>& runs) 
   lines[2].loop.rate_hz = 333.0;
   lines[3].loop.jitter_s = 0.003;
   lines[3].loop.lost = 0.1;
-  Panel energy{"delivered in 10 s, mJ", 0.0, kDampings.back(), {}};
-  Panel swing{"swing held, encoder steps", 0.0, kDampings.back(), {}};
+  Panel energy{"delivered in 10 s, mJ", 0.0, kHandDampings_n_s_per_m.back(), {}};
+  Panel swing{"swing held, encoder steps", 0.0, kHandDampings_n_s_per_m.back(), {}};
   for (const Line& line : lines) {
     Curve joules{line.name, line.colour, "", {}, {}};
     Curve steps = joules;
-    for (const double damping : kDampings) {
+    for (const double damping : kHandDampings_n_s_per_m) {
       Worst worst;
       for (const TouchRun& run : runs)
         if (same_loop(run.c, line.loop) && run.c.damping_n_s_per_m == damping) worst.take(run);

@@ -1,6 +1,7 @@
 // Loops of touch with and without the governor, which two tables compare.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <map>
 #include <vector>
@@ -10,6 +11,10 @@
 #include "tests/support/touch_loop.h"
 
 namespace sparsha::bench {
+
+/// Hands of the tables.
+inline constexpr std::array kHandMasses_kg{0.05, 0.15, 0.5};
+inline constexpr std::array kHandDampings_n_s_per_m{0.3, 0.5, 1.0, 2.0, 5.0, 10.0};
 
 struct TouchRun {
   test::TouchCase c;

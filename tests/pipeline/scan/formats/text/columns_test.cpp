@@ -1,5 +1,5 @@
-// Which column of a text table is what: told by the configuration, by names, by values or by their places. Tables are
-// written as other programs write them; their true points are what the test wrote.
+// Which column of a text table is what: told by names, by values or by their places. Tables are written as other
+// programs write them; their true points are what the test wrote.
 #include <cmath>
 #include <functional>
 
@@ -9,6 +9,7 @@
 #include "pipeline/scan/set.h"
 #include "pipeline/scan/statistics.h"
 #include "scene/config/config.h"
+#include "tests/pipeline/scan/formats/text/relief_table.h"
 #include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {
@@ -20,62 +21,6 @@ using testing::expect_refused;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::ScanFolder;
-
-/// A small relief, as numbers of four decimals.
-struct Relief {
-  std::vector<std::array<std::string, 3>> texts;
-  std::vector<Eigen::Vector3d> points;
-  std::vector<int> ids;
-
-  Relief() {
-    for (int j = 0; j < 6; ++j) {
-      for (int i = 0; i < 8; ++i) {
-        const double place[3] = {0.02 * i - 0.05, 0.02 * j + 0.0371, 0.003 * std::sin(i * 0.7 + j)};
-        std::array<std::string, 3> text;
-        Eigen::Vector3d point;
-        for (std::size_t k = 0; k < 3; ++k) {
-          text[k] = fmt::format("{:.4f}", place[k]);
-          point[static_cast<Eigen::Index>(k)] = std::stod(text[k]);
-        }
-        texts.push_back(text);
-        points.push_back(point);
-        ids.push_back((i * 37 + j * 11) % 101 + 1);
-      }
-    }
-  }
-
-  using Row = std::function<std::string(std::size_t)>;
-  /// x, y and z of a row, or in another order, with a separator between them.
-  [[nodiscard]] std::string at(std::size_t k, const std::string& separator = " ",
-                               const std::string& order = "xyz") const {
-    std::string text;
-    for (const char axis : order)
-      text += (text.empty() ? "" : separator) + texts[k][static_cast<std::size_t>(axis - 'x')];
-    return text;
-  }
-  [[nodiscard]] std::string table(const std::string& header, const Row& row) const {
-    std::string text = header;
-    for (std::size_t k = 0; k < points.size(); ++k) text += row(k) + "\n";
-    return text;
-  }
-  /// Rows of an id, x, y and z.
-  [[nodiscard]] std::string numbered(const std::string& header, const std::string& separator = " ",
-                                     const std::string& order = "xyz") const {
-    return table(header, [&](std::size_t k) { return std::to_string(ids[k]) + separator + at(k, separator, order); });
-  }
-};
-
-RawScan read(const std::string& text, const std::string& name = "a.txt", const ReadOptions& options = {}) {
-  return read_scan_bytes(text, name, options);
-}
-
-/// Reads a table and compares its points with the relief's.
-RawScan expect_relief(const Relief& relief, const std::string& text, const std::string& name = "a.txt",
-                      const ReadOptions& options = {}) {
-  RawScan scan = read(text, name, options);
-  EXPECT_EQ(scan.points, relief.points) << text.substr(0, 200);
-  return scan;
-}
 
 TEST(TextTable, SaysWhatToldItsColumns) {
   const RawScan by_position = read("1 2 3 10 20 30\n1 2 4 1 2 3\n");
@@ -357,87 +302,6 @@ TEST(TextTable, WithCoordinatesBehindMoreColumnsThanARowMayHaveIsRefused) {
   options.columns.assign(65, "skip");
   for (std::size_t k = 0; k < 3; ++k) options.columns[62 + k] = std::string(1, "xyz"[k]);
   EXPECT_THROW((void)read(row + "1,2,3\n", "a.csv", options), Error);
-}
-
-TEST(TextTable, TakesTheColumnsOfTheConfiguration) {
-  const ReadOptions options{{"skip", "x", "y", "z", "skip", "red", "green", "blue"}};
-  const RawScan scan = read("7 1 2 3 9 10 20 30\n8 4 5 6 9 1 2 3\n", "a.txt", options);
-  EXPECT_THAT(scan.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6)));
-  EXPECT_THAT(scan.rgba, ElementsAre(0xFF1E140AU, 0xFF030201U));
-  EXPECT_THAT(scan.fields, ElementsAre("column 1", "x", "y", "z", "column 5", "red", "green", "blue"));
-  EXPECT_THAT(scan.warnings, IsEmpty());
-  ASSERT_TRUE(scan.table);
-  EXPECT_EQ(scan.table->by, TextTable::By::configuration);
-  EXPECT_EQ(scan.table->columns, options.columns);
-}
-
-TEST(TextTable, ColumnsOfTheConfigurationMayStandBehindNamesAndTitles) {
-  const Relief relief;
-  const ReadOptions options{{"skip", "z", "x", "y"}};
-  const auto row = [&](std::size_t k) { return fmt::format("P {},{},STN 4", k, relief.at(k, ",", "zxy")); };
-  expect_relief(relief, relief.table("", row), "a.csv", options);
-  expect_relief(relief, relief.table("Name,A,B,C\nfrom 12 3 2019\n", row), "a.csv", options);
-  // Without them such a file is refused, and the remedy is named.
-  expect_refused("a.csv", relief.table("", row), "'columns' of the scan", 1);
-}
-
-TEST(TextTable, OfWhichColumnsAreNamedMustBeOneWithThatManyColumns) {
-  const auto error_of = [](const std::string& text, const std::string& name, const ReadOptions& options) {
-    try {
-      (void)read_scan_bytes(text, name, options);
-    } catch (const Error& error) {
-      EXPECT_EQ(error.kind(), ErrorKind::input);
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  EXPECT_THAT(error_of("v 1 2 3\nv 4 5 6\n", "a.obj", {{"skip", "x", "y", "z"}}), HasSubstr("no text table: OBJ"));
-  EXPECT_THAT(error_of("1 2 3 4\n1 2 3\n", "a.txt", {{"x", "y", "z", "intensity"}}),
-              HasSubstr("a.txt:2: error: a row of 3 values; 4 values, as 'columns'"));
-  EXPECT_THAT(error_of("1 2 3\n4 5 6\n", "a.txt", {{"skip", "x", "y", "z"}}), HasSubstr("a.txt:1: error: a row of 3"));
-  EXPECT_THAT(error_of("1 a 3 4\n", "a.txt", {{"skip", "x", "y", "z"}}), HasSubstr("'a' is not a number"));
-}
-
-TEST(TextTable, WhoseHeaderContradictsTheConfigurationIsReadAsThatSaysWithAWarning) {
-  const ReadOptions options{{"skip", "x", "y", "z"}};
-  const RawScan other = read("x,y,z,w\n7,1,2,3\n", "a.csv", options);
-  EXPECT_THAT(other.points, ElementsAre(Eigen::Vector3d(1, 2, 3)));
-  EXPECT_THAT(other.warnings, ElementsAre(AllOf(HasSubstr("'y' as x"), HasSubstr("'z' as y"), HasSubstr("'w' as z"))));
-  EXPECT_THAT(read("id,x,y,z\n7,1,2,3\n", "a.csv", options).warnings, IsEmpty());
-  EXPECT_EQ(read("id,x [mm],y [mm],z [mm]\n7,1,2,3\n", "a.csv", options).unit, scene::LengthUnit::mm);
-}
-
-TEST(TextTable, ColumnsOfTheConfigurationHoldInMemoryStreamedAndInSets) {
-  const Relief relief;
-  const ScanFolder folder;
-  scene::ScanConfig config;
-  config.file = folder.write("a.txt", relief.table("", [&](std::size_t k) {
-    return fmt::format("0.{:03} {} 1 2 3", k, relief.at(k, " ", "zxy"));
-  }));
-  config.columns = {"skip", "z", "x", "y", "red", "green", "blue"};
-  std::vector<Eigen::Vector3d> streamed;
-  const RawScan rest = stream_scan(
-      config.file,
-      [&](const PointBlock& block) { streamed.insert(streamed.end(), block.points.begin(), block.points.end()); },
-      nullptr, {config.columns});
-  EXPECT_EQ(streamed, relief.points);
-  EXPECT_EQ(rest.table->by, TextTable::By::configuration);
-  Progress progress;
-  for (const auto keep : {ScanSet::Keep::quickest, ScanSet::Keep::disk}) {
-    ScanSet set({config}, keep, false, progress);
-    EXPECT_TRUE(set.has_colour());
-    std::size_t count = 0;
-    set.stream(
-        [&](const CloudBlock& block) {
-          for (const Eigen::Vector3f& p : block.points) {
-            const Eigen::Vector3d place = p.cast<double>() + set.origin_m();
-            EXPECT_LT((place - relief.points[count++]).cwiseAbs().maxCoeff(), 1e-7);  // float32 near zero
-          }
-        },
-        progress);
-    EXPECT_EQ(count, relief.points.size());
-    EXPECT_EQ(set.load(set.origin_m(), progress).size(), relief.points.size());
-  }
 }
 
 TEST(TextTable, OfCommasAloneThatMayBeDecimalIsRefused) {
