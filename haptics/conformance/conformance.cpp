@@ -67,6 +67,8 @@ constexpr Trial kTrials[] = {
     {Fault::stuck, "stuck", "one write() comes back 0.3 s later than the servo's patience", true},
     {Fault::ended, "ended", "no more positions will come", false},
     {Fault::trembles, "trembles", "each position is 1 mm from the one before", false},
+    {Fault::repeats, "repeats", "it looks at the hand a hundred times a second, and says each time that this is new",
+     false, May::hold, kStiff_n_per_m},
 };
 
 HapticWindow plane() {
@@ -119,16 +121,16 @@ struct Seen {
   DeviceInfo info;
   Felt felt;              // while the fault went on
   double before_n = 0.0;  // at rest in the stone
+  double then_n = 0.0;    // at rest in the stone after strokes through the air, while the fault goes on
   bool late = false;      // this machine was, and took the force away
   bool back = false;      // felt again after the air
   bool held = false;      // a force is on now
   bool told = true;       // what others see is numbers
 };
 
-/// docs/touch.md, "Governor", 2: of a device that measures no delay, in a loop as planned.
-double firmest_n(const Seen& seen, const ConformanceOptions& options) {
+/// docs/touch.md, "Governor", 2: of a device that measures no delay, in a loop as planned, or one of `period_s`.
+double firmest_n(const Seen& seen, double period_s) {
   const DeviceLimits limits = usable(seen.info.limits);
-  const double period_s = 1.0 / options.rate_hz;
   const double delay_s = std::max(0.001, limits.delay_ticks * period_s);
   const double limit_n_per_m = 0.8 * limits.least_damping_n_s_per_m / (0.5 * period_s + delay_s);
   return std::min(limits.max_force_n, std::min(kStiff_n_per_m, limit_n_per_m) * -kStone_m);
@@ -140,13 +142,16 @@ std::string wrong_force(May may, const Seen& seen, const ConformanceOptions& opt
   if (felt.delivered_j > kMostDelivered_j)
     return fmt::format("a hand gets {:.0f} mJ in {:.1f} s", 1e3 * felt.delivered_j, kPause_s);
   if (may == May::hold) {
-    const double most_n = (1.0 + kSame) * firmest_n(seen, options);
+    const double most_n = (1.0 + kSame) * firmest_n(seen, 1.0 / options.rate_hz);
     if (felt.strongest_n > most_n)
       return fmt::format("the wall is stiffer than without a measured delay: {:.2f} N instead of {:.2f} N",
                          felt.strongest_n, most_n);
     if (felt.shaken_n > kSame * felt.strongest_n)
       return fmt::format("the force shakes by {:.2f} N from tick to tick", felt.shaken_n);
   }
+  if (seen.then_n > (1.0 + kSame) * firmest_n(seen, kRepeat_s))
+    return fmt::format("the wall is that of a fast device, {:.2f} N instead of {:.2f} N", seen.then_n,
+                       firmest_n(seen, kRepeat_s));
   if (may == May::go_on && felt.strongest_n > (1.0 + kSame) * seen.before_n)
     return fmt::format("the force grows from {:.2f} to {:.2f} N", seen.before_n, felt.strongest_n);
   if (may == May::go_on && !seen.late && felt.weakest_n < (1.0 - kSame) * seen.before_n)
@@ -245,6 +250,7 @@ ConformanceStep try_one(const Trial& trial, Device& inner, const ConformanceOpti
       std::chrono::duration<double>(kPause_s + (trial.pauses ? 2.0 * options.patience_s : 0.0)));
   // A wall becomes stiffer in the air alone.
   if (trial.fault == Fault::hasty && touch(device)) static_cast<void>(settled_n(device));
+  if (trial.fault == Fault::repeats && touch(device) && touch(device)) seen.then_n = settled_n(device);
   seen.felt = device.felt();
   seen.late = !trial.pauses && servo.silences() != silences;
   seen.told = is_told(state.read());

@@ -74,6 +74,11 @@ DeviceSample FaultyDevice::read(double time_s, double period_s) noexcept {
   sample.position_m = {aside ? kJump_m : 0.0, 0.0, height_m_};
   if (fault == Fault::trembles) sample.position_m.z() += before % 2 == 0 ? kTremble_m : -kTremble_m;
   account(sample.position_m.z());
+  if (fault != Fault::repeats || time_s >= looked_s_ + kRepeat_s) {
+    looked_s_ = time_s;
+    told_m_ = sample.position_m.z();
+  }
+  sample.position_m.z() = told_m_;
   sample.time_s = time_s + ahead_s_;
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   if (fault == Fault::no_time) sample.time_s = kNone;

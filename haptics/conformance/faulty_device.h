@@ -31,7 +31,10 @@ enum class Fault : std::uint8_t {
   stuck,      ///< one write() comes back long after
   ended,      ///< `finished` is true
   trembles,   ///< each position is 1 mm from the one before
+  repeats,    ///< it looks at the hand every kRepeat_s, and says between that what it tells is new
 };
+
+constexpr double kRepeat_s = 0.01;
 
 /// What the servo wrote, as it would have reached a hand.
 struct Felt {
@@ -80,6 +83,7 @@ class FaultyDevice final : public Device {
   double patience_s_;
   double time_s_ = 0.0;
   double ahead_s_ = 0.0;  // of the clock of its own
+  double looked_s_ = 0.0, told_m_ = 0.0;
   double z_m_ = 0.0, work_j_ = 0.0, least_j_ = 0.0, last_n_ = 0.0, shaken_sum_n_ = 0.0;
   std::atomic<Fault> fault_{Fault::none};
   std::atomic<bool> paused_{false};  // the one pause has been

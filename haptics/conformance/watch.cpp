@@ -190,13 +190,14 @@ ConformanceStep news_of(const Device& device, const DeviceInfo& info, const Watc
   const std::string says =
       advice == nullptr ? "" : fmt::format("; it says: {}", Phrases::of("en").text_or(advice->phrase));
   if (seen.fresh == 0 || seen.disconnected > seen.ticks / 2) {
-    return {"news", Result::skipped, (seen.disconnected > 0 ? "it is not connected" : "nothing new came") + says,
+    const bool gone = seen.disconnected > 0;
+    return {"news", gone ? Result::failed : Result::skipped, (gone ? "it is not connected" : "nothing new came") + says,
             "no force"};
   }
   const double rate_hz = static_cast<double>(seen.fresh) / seen.duration_s;
   std::string found = fmt::format("{:.0f} new positions a second{}", rate_hz, says);
   if (advice != nullptr && advice->needed && 2 * seen.unhomed > seen.ticks)
-    return {"news", Result::skipped, found, "no force before that is done"};
+    return {"news", Result::failed, found, "no force before that is done"};
   if (info.rate_hz > 0.0 && (rate_hz < 0.5 * info.rate_hz || rate_hz > 1.5 * info.rate_hz))
     return step("news", false, found + fmt::format(", and it says {:.0f}", info.rate_hz),
                 "a stiffness for another rate: a wall that swings, or one that is too soft");

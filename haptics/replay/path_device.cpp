@@ -14,7 +14,10 @@ class PathDevice final : public Device {
   [[nodiscard]] DeviceInfo info() const override { return played_device(*recording_); }
 
   [[nodiscard]] DeviceSample read(double, double) noexcept override {
-    if (next_ < recording_->rows().size()) return sample_of(recording_->rows()[next_++]);
+    if (next_ < recording_->rows().size()) {
+      share_ = recording_->rows()[next_].force_share;
+      return sample_of(recording_->rows()[next_++]);
+    }
     DeviceSample sample;
     sample.finished = true;
     return sample;
@@ -22,10 +25,12 @@ class PathDevice final : public Device {
 
   void write(const Eigen::Vector3d&) noexcept override {}
   void zero() noexcept override {}
+  [[nodiscard]] double force_share() const noexcept override { return share_; }
 
  private:
   std::shared_ptr<const Recording> recording_;
   std::size_t next_ = 0;
+  double share_ = 1.0;
 };
 
 }  // namespace
@@ -36,6 +41,10 @@ DeviceSample sample_of(const RecordedRow& row) noexcept {
   sample.buttons = row.buttons;
   sample.orientation = row.orientation;
   sample.time_s = row.time_s;
+  sample.delay_s = row.delay_s;
+  sample.force_share = row.force_share;
+  sample.applied_n = row.applied_n;
+  sample.tells_applied = row.applied_n.allFinite();
   sample.fresh = (row.tick.flags & kFlagStale) == 0;
   sample.homed = (row.tick.flags & kFlagHomed) != 0;
   return sample;

@@ -58,6 +58,12 @@ enum Column : std::size_t {
   kOrientationX,
   kOrientationY,
   kOrientationZ,
+  kMeasuredDelay,
+  kEncoderStep,
+  kShare,
+  kAppliedX,
+  kAppliedY,
+  kAppliedZ,
   kColumns
 };
 constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
@@ -99,7 +105,13 @@ constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
                                                            "orientation_w",
                                                            "orientation_x",
                                                            "orientation_y",
-                                                           "orientation_z"};
+                                                           "orientation_z",
+                                                           "measured_delay_s",
+                                                           "encoder_step_m",
+                                                           "device_share",
+                                                           "applied_force_x_n",
+                                                           "applied_force_y_n",
+                                                           "applied_force_z_n"};
 
 constexpr std::size_t kAbsent = std::numeric_limits<std::size_t>::max();
 
@@ -200,7 +212,14 @@ constexpr Range range_of(Column column) {
     case kDelay:
       return {0.0, kLongestDelayTicks, true};
     case kUndeclared:
+    case kMeasuredDelay:
+    case kEncoderStep:
+    case kShare:
       return {0.0, 1.0};
+    case kAppliedX:
+    case kAppliedY:
+    case kAppliedZ:
+      return {-kAny, kAny};
     case kColumns:
       break;
   }
@@ -261,6 +280,10 @@ RecordedRow row_of(const Fields& fields) {
   row.tick.period_s = fields.at(kPeriod, 0.001);
   row.tick.nominal_period_s = fields.at(kNominalPeriod, 0.0);
   row.tick.command = fields.word(kCommand);
+  row.delay_s = fields.at(kMeasuredDelay, 0.0);
+  row.force_share = fields.at(kShare, 1.0);
+  constexpr double kUntold = std::numeric_limits<double>::quiet_NaN();
+  row.applied_n = {fields.at(kAppliedX, kUntold), fields.at(kAppliedY, kUntold), fields.at(kAppliedZ, kUntold)};
   row.tick.guide_n = {fields.at(kGuideX, 0.0), fields.at(kGuideY, 0.0)};
   row.tick.guide_stored_j = fields.at(kGuideStored, 0.0);
   row.tick.guide_supplied_j = fields.at(kGuideSupplied, 0.0);
@@ -300,6 +323,7 @@ DeviceLimits recorded_limits(const Fields& fields) {
   recorded.least_damping_n_s_per_m = fields.at(kDamping, recorded.least_damping_n_s_per_m);
   recorded.delay_ticks = static_cast<int>(fields.at(kDelay, recorded.delay_ticks));
   recorded.undeclared_s = fields.at(kUndeclared, 0.0);  // before there was such a column, none was assumed
+  recorded.encoder_step_m = fields.at(kEncoderStep, recorded.encoder_step_m);
   return recorded;
 }
 

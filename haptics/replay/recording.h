@@ -29,7 +29,10 @@ struct RecordedRow {
   double time_s = 0.0;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< device frame; NaN where the device gave NaN
   std::uint64_t buttons = 0;
-  std::array<double, 4> orientation{};  ///< as in State
+  std::array<double, 4> orientation{};                  ///< as in State
+  double delay_s = 0.0;                                 ///< as in DeviceSample; 0 in recordings that do not say it
+  double force_share = 1.0;                             ///< as in DeviceSample
+  Eigen::Vector3d applied_n = Eigen::Vector3d::Zero();  ///< as in Record; not numbers where the file does not say it
   RecordedTick tick;
 };
 

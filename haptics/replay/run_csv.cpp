@@ -13,7 +13,7 @@ const std::string& run_csv_header() {
       "window_i,window_j,window_nx,window_ny,workspace_m,max_force_n,slew_n_per_s,least_damping_n_s_per_m,delay_"
       "ticks,nominal_period_s,tip_radius_m,guide_x_n,guide_y_n,guide_stored_j,guide_supplied_j,turn_x,turn_y,turn_z,"
       "turn_w,undeclared_s,device_share,orientation_w,orientation_x,orientation_y,orientation_z,applied_force_x_n,"
-      "applied_force_y_n,applied_force_z_n,scene\n";
+      "applied_force_y_n,applied_force_z_n,measured_delay_s,encoder_step_m,scene\n";
   return header;
 }
 
@@ -53,6 +53,8 @@ void append_run_csv_row(std::string& text, const Record& record, const DeviceInf
   csv::append(text, record.device_share);
   for (const double part : state.orientation) csv::append(text, part);
   csv::append(text, record.applied_force_n);
+  csv::append(text, record.measured_delay_s);
+  csv::append(text, device.limits.encoder_step_m);
   csv::append(text, state.scene);
   csv::end_row(text);
 }

@@ -57,6 +57,12 @@ std::string doubt_of(std::uint64_t count, std::uint64_t first, std::string_view 
          (one ? " (row " : " (first: row ") + std::to_string(first) + " below the header)";
 }
 
+/// Between two rows; throws Cancelled.
+void look(Progress* progress, std::size_t done, std::size_t rows) {
+  if (progress != nullptr && done % kBlock == 0)
+    progress->at(static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(1, rows)));
+}
+
 }  // namespace
 
 std::vector<std::string> sentences(const PathDoubts& doubts) {
@@ -88,8 +94,7 @@ void TraceRecorder::add(const TraceRow& row, const MongeSurface& surface, const 
 
 void TraceRecorder::add(TraceRow row, bool unfinished) {
   TraceSummary& summary = result_.summary;
-  if (progress_ != nullptr && result_.rows.size() % kBlock == 0)
-    progress_->at(static_cast<double>(result_.rows.size()) / static_cast<double>(std::max<std::size_t>(1, expected_)));
+  look(progress_, result_.rows.size(), expected_);
   ++summary.updates;
   row.tick_ns = std::max(0.0, row.tick_ns - summary.timer_overhead_ns);
   result_.rows.push_back(row);
@@ -156,11 +161,13 @@ TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& pat
   return std::move(recorder).finish();
 }
 
-void write_trace(const std::filesystem::path& file, const TraceResult& result) {
+void write_trace(const std::filesystem::path& file, const TraceResult& result, Progress* progress) {
   std::string text =
       "t_s,hip_x_m,hip_y_m,hip_z_m,proxy_x_m,proxy_y_m,proxy_z_m,force_x_n,force_y_n,force_z_n,contact,level,tick_ns";
   text += result.summary.around ? ",sheet\n" : "\n";
+  std::size_t written = 0;
   for (const TraceRow& row : result.rows) {
+    look(progress, written++, result.rows.size());
     csv::append(text, row.t_s);
     for (const Eigen::Vector3d* v : {&row.hip_m, &row.proxy_m, &row.force_n})
       for (const double coordinate : *v) csv::append(text, coordinate);

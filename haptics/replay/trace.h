@@ -102,6 +102,7 @@ class TraceRecorder {
   double latest_s_ = -std::numeric_limits<double>::infinity();
 };
 
-/// Writes trace.csv atomically, 17 significant digits, with each row's own level.
-void write_trace(const std::filesystem::path& file, const TraceResult& result);
+/// Writes trace.csv atomically, 17 significant digits, with each row's own level. `progress` as in trace(); a cancelled
+/// one leaves no file.
+void write_trace(const std::filesystem::path& file, const TraceResult& result, Progress* progress = nullptr);
 }  // namespace sparsha::haptics

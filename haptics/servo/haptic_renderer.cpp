@@ -417,6 +417,7 @@ void HapticRenderer::tick(const DeviceSample& sample, bool fault) noexcept {
     record_.applied_force_n[axis] = sample.tells_applied ? sample.applied_n[static_cast<Eigen::Index>(axis)]
                                                          : record_.device_share * state.commanded_force_n[axis];
   record_.device_share = sample.force_share;
+  record_.measured_delay_s = sample.delay_s;
   state.orientation = unit_or_none(sample.orientation);
   describe_tick(sample);
 
@@ -447,6 +448,7 @@ void HapticRenderer::tick(const DeviceSample& sample, bool fault) noexcept {
       event_.reset();
     }
   }
+  state.given_share *= sample.force_share;
 }
 
 }  // namespace sparsha::haptics

@@ -15,6 +15,7 @@ struct Record {
   /// What the motors had when the hand was measured, newtons, device frame: by the device's own word, else what was
   /// commanded a tick before times its share.
   std::array<double, 3> applied_force_n{};
+  double measured_delay_s = 0.0;        ///< DeviceSample::delay_s as the servo took it
   double device_share = 1.0;            ///< of the commanded force that the device lets through to the hand
   double period_s = 0.0;                ///< that the governor saw
   double nominal_period_s = 0.0;        ///< of the servo's plan

@@ -137,7 +137,6 @@ void Servo::tick(std::int64_t late_ns, double time_s, bool late_wake) noexcept {
   if (is_late(decided_ns) || watchdog_.tripped()) renderer_.fail();
   State& state = renderer_.state();
   deliver(state.commanded_force_n);
-  state.given_share *= sample.force_share;
   // The pause may have come between the decision and the writing: then an old force has just gone out.
   const bool late_force = is_late(options_.clock.now_ns());
   if (late_force && !late_hand) {

@@ -259,12 +259,19 @@ frame of its scans in that; forces newtons.)");
       .def_property_readonly("summary", &summary, "Counts, times and residuals of all rows, as a dict.")
       .def(
           "save",
-          [](const Trace& t, const py::object& file) {
+          [](const Trace& t, const py::object& file, const py::object& progress) {
             const std::string path = path_of(file, "file");
-            const py::gil_scoped_release release;
-            haptics::write_trace(path, t);
+            run(progress, [&](Progress& told) {
+              told.begin("writing");
+              haptics::write_trace(path, t, &told);
+              return 0;
+            });
           },
-          py::arg("file"), "Writes trace.csv as `sparsha trace` does. Raises Failure, UsageError.");
+          py::arg("file"), py::kw_only(), py::arg("progress") = py::none(),
+          R"(Writes trace.csv as `sparsha trace` does.
+
+progress: called with ("writing", fraction). Raises Failure, UsageError; KeyboardInterrupt on Ctrl-C, which leaves no
+file.)");
 }
 
 }  // namespace

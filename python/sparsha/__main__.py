@@ -3,18 +3,27 @@
 FOLDER is what `sparsha bench export` wrote; without it the benchmark is exported to a folder that goes afterwards. Its cases
 are rendered by NumPy and by the core, and judged. Of a scene's folder the core's proxies are judged by NumPy.
 Exit code 0 when all passes, 1 when not, 2 for wrong arguments, 3 for files that cannot be read."""
+from __future__ import annotations
+
 import argparse
+import os
 import pathlib
 import sys
 import tempfile
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from . import Error, Renderer, bench_export, bench_judge, on_scene, opinion
 from . import open as open_scene
 
+_Array = npt.NDArray[np.float64]
+_Surfaces = dict[str, tuple[_Array, float, tuple[float, float, float]]]  # heights, spacing and origin by name
 
-def core_forces(folder, case, surfaces):
+
+def core_forces(folder: pathlib.Path, case: dict[str, str], surfaces: _Surfaces) -> tuple[_Array, _Array]:
     """The core's forces on bicubic patches through the case's nodes; (n, 3) newtons, and the times."""
     surface = case["surface"]
     if surface not in surfaces:
@@ -29,11 +38,11 @@ def core_forces(folder, case, surfaces):
     return path[:, 0], renderer.trace(path[:, 1:4], time=path[:, 0]).force
 
 
-def compare(folder, work):
+def compare(folder: str | os.PathLike[str], work: str | os.PathLike[str]) -> list[tuple[dict[str, Any], dict[str, Any], float]]:
     """One row a case: the verdicts on NumPy's and the core's forces, and how far these are apart."""
     folder, work = pathlib.Path(folder), pathlib.Path(work)
     cases = opinion.render(folder, work / "numpy.csv")
-    surfaces = {}
+    surfaces: _Surfaces = {}
     with open(work / "core.csv", "w", encoding="ascii") as out:
         out.write("case,t_s,force_x_n,force_y_n,force_z_n\n")
         for case in cases:
@@ -52,7 +61,7 @@ def compare(folder, work):
     return rows
 
 
-def scene_passes(folder, work):
+def scene_passes(folder: pathlib.Path, work: str) -> bool:
     """Judges the core's proxies on a scene and prints what was found; whether all of them pass."""
     scene = open_scene(folder)
     print(scene)
@@ -60,14 +69,14 @@ def scene_passes(folder, work):
     print(f"{'view':16} {'pass' if view['pass'] else 'no':5} {view['touching']} of {view['hands']} hands touch, {100 * view['at_rest']:.2f} % of "
           f"their proxies are at rest, {view['off_surface']:.1e} spacings from the surface at most")
     if not scene.sheets and "unroll:" not in scene.config:
-        return view["pass"]
+        return bool(view["pass"])
     scan = on_scene.judge_scan_frame(scene, work)
     print(f"{'frame of scans':16} {'pass' if scan['pass'] else 'no':5} {scan['touching']} of {scan['hands']} hands touch, {scan['farthest']:.2f} "
           "spacings from their proxies to exported nodes at most")
-    return view["pass"] and scan["pass"]
+    return bool(view["pass"] and scan["pass"])
 
 
-def main(arguments=None):
+def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python3 -m sparsha", description=__doc__.split("\n")[0])
     parser.add_argument("folder", nargs="?", type=pathlib.Path,
                         help="of `sparsha bench export` (default: a new one that goes afterwards), or a scene")
@@ -96,7 +105,7 @@ def main(arguments=None):
     return 0 if all(by_numpy["pass"] for by_numpy, _, _ in rows) else 1
 
 
-def run():
+def run() -> int:
     """main(), and in place of a traceback a sentence of what cannot be read."""
     try:
         return main()

@@ -1,4 +1,6 @@
 """The exceptions of the package. All have the place that is wrong and what was expected there, as far as it is known."""
+from __future__ import annotations
+
 import builtins
 
 
@@ -48,12 +50,12 @@ class Warning(builtins.UserWarning):  # noqa: A001
 _OF_KIND = {1: Failure, 2: UsageError, 3: InputError, 4: DeviceError}
 
 
-def of_core(kind, message, file, line, column, wrong, expected):
+def of_core(kind: int, message: str, file: str, line: int, column: int, wrong: str, expected: str) -> Error:
     """The exception for an error of the core; called by the module _core."""
     message, file, expected = (_without_options(text) for text in (message.removeprefix("error: "), file, expected))
     return _OF_KIND.get(kind, Failure)(message, file or None, line or None, column or None, wrong, expected)
 
 
-def _without_options(text):
+def _without_options(text: str) -> str:
     """Keys and devices by their names alone, where the program names the options that they are given by."""
     return text.replace("--set ", "").replace("--device ", "")

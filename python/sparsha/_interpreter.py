@@ -1,13 +1,16 @@
 """Why the module cannot be imported by this Python, in one sentence."""
+from __future__ import annotations
+
 import contextlib
 import importlib.util
 import pathlib
 import re
 import sys
+from collections.abc import Iterator
 
 
 @contextlib.contextmanager
-def explaining():
+def explaining() -> Iterator[None]:
     """Around the import of the module."""
     try:
         yield
@@ -15,7 +18,7 @@ def explaining():
         raise explained(error) from None
 
 
-def explained(error):
+def explained(error: ImportError) -> ImportError:
     """The ImportError that says what to do; the same one where nothing more is known."""
     made_for = [f"{tag[0]}.{tag[1:]}" for path in pathlib.Path(__file__).parent.glob("_core.cpython-*.so")
                 for tag in re.findall(r"cpython-(\d+)", path.name)]

@@ -3,11 +3,18 @@
 A proxy at rest without friction lies on the bilinear surface through the nodes, nearer to the hand than all places around
 it. Hands are put below places that are known all around, and the core's proxies are judged by many places around each. Of
 whole and unrolled objects, proxies in the frame of the scans are besides held against the nodes that are exported there."""
+from __future__ import annotations
+
+import os
 import pathlib
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from . import Renderer, export, read
+from . import Renderer, Scene, export, read
+
+_Array = npt.NDArray[np.float64]
 
 AROUND = 4  # cells around a hand that are to be known
 TOUCHING, TOUCHING_SCANS = 0.95, 0.5  # of the hands: a hand from outside may meet another side of an object first
@@ -18,23 +25,24 @@ SHARE = 0.99  # of the rests; beyond a crease that is nearer than REACH the surf
 FARTHEST = 1.5  # spacings from a proxy to the next exported node: half a diagonal of a cell on a slope of 60 degrees
 
 
-def bilinear(z, u, v):
+def bilinear(z: _Array, u: _Array, v: _Array) -> _Array:
     """Height at column u and row v, in spacings from node (0, 0)."""
     i = np.clip(np.floor(u).astype(int), 0, z.shape[1] - 2)
     j = np.clip(np.floor(v).astype(int), 0, z.shape[0] - 2)
     a, b = u - i, v - j
-    return (1 - b) * ((1 - a) * z[j, i] + a * z[j, i + 1]) + b * ((1 - a) * z[j + 1, i] + a * z[j + 1, i + 1])
+    height: _Array = (1 - b) * ((1 - a) * z[j, i] + a * z[j, i + 1]) + b * ((1 - a) * z[j + 1, i] + a * z[j + 1, i + 1])
+    return height
 
 
-def hands(scene, count, seed):
+def hands(scene: Scene, count: int, seed: int) -> tuple[_Array, _Array]:
     """Places of the surface (grid frame) with known nodes all around, and hands below them along the normal: each (n, 3)."""
     z = np.asarray(scene.heights(), float)
     known = np.isfinite(z)
     inner = known.copy()
     for k in range(1, AROUND + 1):
         for axis in (0, 1):
-            for step in (-k, k):
-                inner &= np.roll(known, step, axis)
+            for shift in (-k, k):
+                inner &= np.roll(known, shift, axis)
     inner[:AROUND], inner[-AROUND:], inner[:, :AROUND], inner[:, -AROUND:] = False, False, False, False
     rows, columns = np.nonzero(inner)
     rng = np.random.default_rng(seed)
@@ -48,13 +56,15 @@ def hands(scene, count, seed):
     return places, places - DEPTH * step * normal
 
 
-def judge_view(scene, count=400, seed=1):
+def judge_view(scene: Scene, count: int = 400, seed: int = 1) -> dict[str, Any]:
     """How the core's rests on the view compare with what NumPy finds around them, as a dict."""
     if "surface: c1" in scene.config:
         raise ValueError("the scene is touched as bicubic patches (haptics: surface: c1); bilinear surfaces alone are judged")
     step, z = scene.spacing(), np.asarray(scene.heights(), float)
     renderer = Renderer(scene, friction=False, stiffness=1.0, solver="exact")
-    off, excess, touching = [], [], 0
+    off: list[float] = []
+    excess: list[float] = []
+    touching = 0
     offsets = np.linspace(-REACH, REACH, STEPS)
     du, dv = np.meshgrid(offsets, offsets)
     for hand in hands(scene, count, seed)[1]:
@@ -74,7 +84,7 @@ def judge_view(scene, count=400, seed=1):
             "pass": touching > TOUCHING * count and off_surface < REST and at_rest >= SHARE}
 
 
-def judge_scan_frame(scene, work, count=400, seed=2):
+def judge_scan_frame(scene: Scene, work: str | os.PathLike[str], count: int = 400, seed: int = 2) -> dict[str, Any]:
     """How far proxies in the frame of the scans lie from the nodes that are exported there, as a dict; distances in spacings."""
     file = pathlib.Path(work) / "nodes.ply"
     export(scene, file, nodes=True)
@@ -84,7 +94,8 @@ def judge_scan_frame(scene, work, count=400, seed=2):
     step = scene.spacing() * scale
     inside = nodes.mean(axis=0)
     rng = np.random.default_rng(seed)
-    distances, touching = [], 0
+    distances: list[float] = []
+    touching = 0
     renderer = Renderer(scene, frame="scan", friction=False)
     for node in nodes[rng.integers(0, len(nodes), count)]:
         outwards = (node - inside) / np.linalg.norm(node - inside)

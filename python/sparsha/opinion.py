@@ -2,13 +2,19 @@
 
 The surface is a bicubic spline through the nodes of surfaces/NAME.ply; the proxy of a hand below it is the nearest point,
 found by Newton's method for all ticks of a path at once. It has neither grid, cells nor a path from tick to tick."""
+from __future__ import annotations
+
 import csv
+import os
 import pathlib
 
 import numpy as np
+import numpy.typing as npt
+
+_Array = npt.NDArray[np.float64]
 
 
-def read_nodes(path):
+def read_nodes(path: str | os.PathLike[str]) -> _Array:
     """The vertices of a binary little-endian PLY with double x, y, z: (n, 3)."""
     data = pathlib.Path(path).read_bytes()
     end = data.index(b"end_header\n") + len(b"end_header\n")
@@ -20,10 +26,11 @@ def read_nodes(path):
     names = [line.split()[1:] for line in before_faces if line.startswith("property")]
     kinds = {"double": "<f8", "float": "<f4", "uchar": "u1", "int": "<i4", "uint": "<u4"}
     rows = np.frombuffer(data, np.dtype([(name, kinds[kind]) for kind, name in names]), count, end)
-    return np.stack([rows["x"], rows["y"], rows["z"]], axis=-1).astype(float)
+    nodes: _Array = np.stack([rows["x"], rows["y"], rows["z"]], axis=-1).astype(float)
+    return nodes
 
 
-def slopes(values, step):
+def slopes(values: _Array, step: float) -> _Array:
     """Of a cubic spline through equidistant values along the first axis, whose third derivative has no jump at the
     second and the last but one of them: its slopes there."""
     count = len(values)
@@ -43,7 +50,7 @@ def slopes(values, step):
 class Spline:
     """z = f(x, y) and its derivatives, from nodes on a regular grid in any order."""
 
-    def __init__(self, nodes):
+    def __init__(self, nodes: _Array) -> None:
         x, column = np.unique(np.round(nodes[:, 0], 9), return_inverse=True)
         y, row = np.unique(np.round(nodes[:, 1], 9), return_inverse=True)
         self.x0, self.y0 = x[0], y[0]
@@ -58,13 +65,13 @@ class Spline:
         self.parts = f, fx * self.dx, fy * self.dy, fxy * self.dx * self.dy
 
     @staticmethod
-    def _basis(t):
+    def _basis(t: _Array) -> tuple[_Array, _Array, _Array]:
         """Hermite's polynomials (value at 0 and 1, slope at 0 and 1), their first and second derivatives."""
         return (np.stack([1 - 3 * t**2 + 2 * t**3, 3 * t**2 - 2 * t**3, t - 2 * t**2 + t**3, t**3 - t**2]),
                 np.stack([-6 * t + 6 * t**2, 6 * t - 6 * t**2, 1 - 4 * t + 3 * t**2, 3 * t**2 - 2 * t]),
                 np.stack([-6 + 12 * t, 6 - 12 * t, -4 + 6 * t, 6 * t - 2]))
 
-    def __call__(self, x, y):
+    def __call__(self, x: _Array, y: _Array) -> tuple[_Array, ...]:
         """f, fx, fy, fxx, fxy, fyy."""
         f, fx, fy, fxy = self.parts
         u, v = (x - self.x0) / self.dx, (y - self.y0) / self.dy
@@ -78,12 +85,13 @@ class Spline:
                 corner[a, b], corner[2 + a, b] = f[at], fx[at]
                 corner[a, 2 + b], corner[2 + a, 2 + b] = fy[at], fxy[at]
 
-        def derivative(m, n):
-            return np.einsum("a...,ab...,b...->...", along[m], corner, across[n]) / (self.dx**m * self.dy**n)
+        def derivative(m: int, n: int) -> _Array:
+            value: _Array = np.einsum("a...,ab...,b...->...", along[m], corner, across[n]) / (self.dx**m * self.dy**n)
+            return value
         return (derivative(0, 0), derivative(1, 0), derivative(0, 1), derivative(2, 0), derivative(1, 1), derivative(0, 2))
 
 
-def forces(spline, hands, stiffness):
+def forces(spline: Spline, hands: _Array, stiffness: float) -> _Array:
     """Of a hand at the end of a spring, for all hands (n, 3) at once: (n, 3) newtons."""
     x, y = hands[:, 0].copy(), hands[:, 1].copy()
     below = hands[:, 2] < spline(x, y)[0]
@@ -105,7 +113,7 @@ def forces(spline, hands, stiffness):
     return np.where(below[:, None], stiffness * (proxies - hands), 0.0)
 
 
-def render(folder, results):
+def render(folder: str | os.PathLike[str], results: str | os.PathLike[str]) -> list[dict[str, str]]:
     """Renders every case of an exported benchmark and writes results.csv for `sparsha bench judge`."""
     folder = pathlib.Path(folder)
     splines = {}

@@ -112,6 +112,15 @@ class CtrlC(unittest.TestCase):
         np.testing.assert_array_equal(trace.proxy, expected.proxy)
         np.testing.assert_array_equal(renderer.step(path[0]), first)
 
+        def save(told):
+            files.append(self.folder / f"{len(files)}.csv")
+            trace.save(files[-1], progress=told)
+        files = []
+        self.assert_ends_early(save)
+        self.assertFalse(files[-2].exists())
+        self.assertEqual(sum(1 for _ in open(files[-1])), len(path) + 1)
+        self.assertLessEqual({p.name for p in self.folder.iterdir()}, {"scratch", *(p.name for p in files)})
+
     def test_what_progress_raises_is_noted_too(self):
         def stop(stage, share):
             raise LookupError(stage)

@@ -122,6 +122,10 @@ class ByMypy(unittest.TestCase):
             self.run_module("mypy.stubtest", "sparsha", "--ignore-unused-allowlist", "--allowlist", allowed.name)
 
     @unittest.skipUnless(os.environ.get("SPARSHA_NIGHTLY") == "1", "of the nightly run")
+    def test_the_package_has_the_types_that_it_says(self):
+        self.run_module("mypy", "--strict", "-p", "sparsha")
+
+    @unittest.skipUnless(os.environ.get("SPARSHA_NIGHTLY") == "1", "of the nightly run")
     def test_a_script_of_a_user_has_the_types_that_it_expects(self):
         self.run_module("mypy", "--strict", "-c", USER)
 
