@@ -44,7 +44,9 @@ typedef struct sparsha_device_info {
   double rate_hz;                 /* of new positions, 100 to 10000; 0 = 1000 */
   double fastest_m_per_s;         /* no hand moves it faster; 0 = 5 */
   uint32_t delay_ticks;           /* from a force's writing to the hand, 0 to 4 */
-  uint32_t reserved;
+  /* Longest step of the encoders as the grip moves, micrometres, to 1000; 0: not known, and finer than 100. A slow hand
+   * on coarser ones that are not told is taken for a device that repeats its positions: its walls are soft. */
+  uint32_t encoder_step_um;
 } sparsha_device_info;
 
 typedef struct sparsha_device_sample {

@@ -303,6 +303,18 @@ std::vector<scene::Sheet> parts_of(const scene::Sheet& sheet, int i0, int i1, in
 
 }  // namespace
 
+std::array<std::int32_t, 2> recorded_cell(const SheetSurface& sheet, const Eigen::Vector3d& object_m,
+                                          double spacing_m) noexcept {
+  constexpr std::int32_t kSheetCells = 1 << 16;
+  constexpr std::uint32_t kSheetNumbers = 1U << 15;
+  const Eigen::Vector3d chart_m = sheet.axes.to_chart(object_m);
+  const auto cell = [&](double place_m) {
+    const double at = std::floor(place_m / spacing_m) + kSheetCells / 2;
+    return static_cast<std::int32_t>(std::clamp(at, 0.0, kSheetCells - 1.0));
+  };
+  return {static_cast<std::int32_t>(sheet.number % kSheetNumbers) * kSheetCells + cell(chart_m.x()), cell(chart_m.y())};
+}
+
 SheetSurface make_sheet_surface(const scene::Charts& charts, const scene::Sheet& sheet,
                                 const AroundFriction& friction) {
   Padded padded = pad(sheet);

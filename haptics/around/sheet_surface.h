@@ -52,6 +52,11 @@ struct SheetSurface {
   }
 };
 
+/// The cell of a place (object frame) in its sheet of the charts, with the sheet's number in the first index: cells of
+/// two sheets differ, and those of two pieces of one sheet where they are at two places.
+[[nodiscard]] std::array<std::int32_t, 2> recorded_cell(const SheetSurface& sheet, const Eigen::Vector3d& object_m,
+                                                        double spacing_m) noexcept;
+
 /// Coefficients of the whole object.
 struct AroundFriction {
   double mu_dynamic = 0.0;

@@ -37,17 +37,22 @@ class ObjectHand {
   [[nodiscard]] bool touches() const noexcept { return state_.started && state_.sheet != kNoSheet; }
   /// The proxy, object frame; requires an update since let_go().
   [[nodiscard]] const Eigen::Vector3d& proxy_m() const noexcept { return state_.position_m; }
+  /// What the last update gave for it, object frame: beside proxy_m() while a seam fades.
+  [[nodiscard]] const Eigen::Vector3d& felt_m() const noexcept { return felt_m_; }
   [[nodiscard]] bool started() const noexcept { return state_.started; }
 
   [[nodiscard]] AroundUpdate update(const ObjectSurface& object, const Eigen::Vector3d& hip_m,
                                     const SolverOptions& options) noexcept {
-    return update_around(object, hip_m, state_, options);
+    const AroundUpdate found = update_around(object, hip_m, state_, options);
+    felt_m_ = found.position_m;
+    return found;
   }
 
  private:
   Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
   Eigen::Matrix3d device_from_grid_ = Eigen::Matrix3d::Identity();
   AroundState state_;
+  Eigen::Vector3d felt_m_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace sparsha::haptics

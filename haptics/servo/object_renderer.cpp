@@ -34,7 +34,7 @@ HapticRenderer::Touched HapticRenderer::touch_object() noexcept {
   placed_ = true;
   if (dragging_ || dragged_) object_.let_go();  // the hand was in the air all the while
   dragged_ = dragging_;
-  const Eigen::Vector3d before_m = object_.started() ? object_.proxy_m() : hip_m;
+  const Eigen::Vector3d before_m = object_.started() ? object_.felt_m() : hip_m;
   around_ = {};
   around_.position_m = hip_m;
   if (!dragging_) around_ = object_.update(object, hip_m, options_.solver_options);
@@ -58,19 +58,13 @@ HapticRenderer::Touched HapticRenderer::touch_object() noexcept {
   return touched;
 }
 
-// The cell goes into the record with its sheet's number, so that those of two sheets are told apart.
 std::uint64_t HapticRenderer::find_place_on_object() noexcept {
-  constexpr std::int32_t kSheetCells = 1 << 16;
-  constexpr std::uint32_t kSheetNumbers = 1U << 15;
   record_.cell_m = window_.object->spacing_m;
   if (!around_.contact) return 0;
   const SheetSurface& sheet = window_.object->sheets[around_.sheet];
-  const Eigen::Vector3d local_m = sheet.to_local(around_.position_m);
-  const auto cell = [&](double place_m) {
-    return static_cast<std::int32_t>(std::clamp(place_m / window_.object->spacing_m, 0.0, kSheetCells - 1.0));
-  };
-  record_.cell_i = static_cast<std::int32_t>(sheet.number % kSheetNumbers) * kSheetCells + cell(local_m.x());
-  record_.cell_j = cell(local_m.y());
+  const auto [i, j] = recorded_cell(sheet, around_.position_m, window_.object->spacing_m);
+  record_.cell_i = i;
+  record_.cell_j = j;
   std::uint64_t flags = 0;
   if ((around_.cell_flags & kCellFilled) != 0) flags |= kFlagFilledArea;
   if ((around_.cell_flags & kCellUnknown) != 0) flags |= kFlagUnknownArea;
@@ -143,7 +137,8 @@ void HapticRenderer::swap_object(Command& command) noexcept {
   surface_ = window_.surface.get();
   guidance_.interrupt();
   effects_.swap();
-  fade_.watch_always(window_.object != nullptr);
+  // From one view of an object to another the step is a change of force like any other, and fades.
+  if ((old != nullptr) != (window_.object != nullptr)) fade_.watch_always(window_.object != nullptr);
   if (window_.object == nullptr) return leave_object(command);
   const bool same = old != nullptr && same_object(*old, *window_.object);
   if (surface_->scale != old_scale) object_.rescale();

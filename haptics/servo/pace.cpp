@@ -10,6 +10,9 @@ namespace {
 constexpr std::int64_t kBurstPeriods = 2;
 // After so long without a fresh position the hand may be anywhere; the governor begins anew there.
 constexpr double kLongAgo_s = 0.1;
+// What has been the same for longer trembles no more: 33 Hz, or three looks of a device that repeats.
+constexpr double kRests_s = 0.03;
+constexpr double kRestLooks = 3.0;
 // Of encoders and of times that are the servo's rather than the measurement's.
 constexpr double kNoise_m = 0.001;
 // A hand that strikes a hard stop is slowed by some 100 m/s^2, once.
@@ -54,6 +57,7 @@ bool HandSpeed::jumps(const DeviceSample& sample, double period_s, double look_s
   if (!sample.homed || !sample.connected || !sample.position_m.allFinite()) {
     known_ = false;  // no position that the next could be compared with
     moved_m_.setZero();
+    turns_ = 0;
     return false;
   }
   const double passed_s = std::max({period_s, sample.time_s - time_s_, std::min(look_s, sample.time_s - changed_s_)});
@@ -64,6 +68,8 @@ bool HandSpeed::jumps(const DeviceSample& sample, double period_s, double look_s
   if (!repeated) {
     watch_turns(moved_m, passed_s);
     changed_s_ = sample.time_s;
+  } else if (sample.time_s - changed_s_ > std::max(kRests_s, kRestLooks * look_s)) {
+    turns_ = 0;
   }
   known_ = true;
   time_s_ = sample.time_s;

@@ -52,6 +52,7 @@ DeviceInfo info_of(const sparsha_device_info& said) {
   info.limits.least_damping_n_s_per_m = said.least_damping_n_s_per_m;
   info.limits.slew_n_per_s = said.slew_n_per_s;
   info.limits.delay_ticks = static_cast<int>(std::min<std::uint32_t>(said.delay_ticks, kLongestDelayTicks));
+  info.limits.encoder_step_m = 1e-6 * static_cast<double>(said.encoder_step_um);
   info.limits = usable(info.limits);
   info.paced = true;
   info.rate_hz = said.rate_hz > 0.0 && said.rate_hz <= 10'000.0 ? said.rate_hz : kUsualRate_hz;

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -226,6 +228,66 @@ TEST(ObjectTouch, ItGoesToOneViewAndBackWithoutForceForAHandAtRest) {
     EXPECT_TRUE(vector(hand.renderer().state().proxy_m).allFinite());
   }
   EXPECT_LE(step_n, 0.05);
+}
+
+TEST(ObjectTouch, ItsTextureGoesAndComesWithoutAStepForAHandAtRest) {
+  scene::Charts charts = sparsha::test::ball_charts(kBall_m);
+  for (scene::Sheet& sheet : charts.sheets) sheet.texture_m.assign(sheet.count(), 0.0006F);
+  const scene::ScenePointer scene = sparsha::test::whole_scene(std::move(charts));
+  const auto window = [&](bool texture, std::uint64_t id) {
+    const scene::SceneDescription& description = scene->description();
+    WindowPlan plan = plan_window(description, overview_level(description), Eigen::Vector2d::Zero(), 0.1);
+    plan.effects.texture = texture;
+    return load_window(*scene, plan, id);
+  };
+  HandAtRest hand(RestingHand{}, window(true, 1));
+  hand.put_down(0.0, 0.0, 1.5);
+  Vector3d last = hand.force();
+  const double began_m = hand.renderer().state().device_m[2];
+  double step_n = 0.0, sunk_m = 0.0;
+  for (std::uint64_t k = 0; k < 4; ++k) {
+    Command swap;
+    swap.kind = Command::Kind::swap;
+    swap.window = window(k % 2 == 1, k + 2);
+    static_cast<void>(hand.renderer().apply(swap));
+    hand.run(0.5, [&](double) {
+      step_n = std::max(step_n, (hand.force() - last).norm());
+      last = hand.force();
+    });
+    sunk_m = std::max(sunk_m, began_m - hand.renderer().state().device_m[2]);
+  }
+  EXPECT_LE(step_n, 0.05);
+  EXPECT_GT(sunk_m, 0.0004) << "the texture has gone meanwhile";
+}
+
+TEST(ObjectTouch, AHandThatRestsBesideASeamDoesNotSlip) {
+  // Two sides that are apart by a tenth of a millimetre where they meet.
+  const auto seen = [](scene::Side side, double u, double v) -> std::optional<sparsha::test::SeenSurface> {
+    const double radius_m = side == scene::Side::right ? kBall_m + 0.0001 : kBall_m;
+    const double w = std::sqrt(std::max(0.0, radius_m * radius_m - u * u - v * v));
+    if (w < 0.4 * radius_m) return std::nullopt;
+    return sparsha::test::SeenSurface{w, -u / w, -v / w};
+  };
+  const scene::ScenePointer scene = sparsha::test::whole_scene(sparsha::test::charts_of(seen, 42, 0.001));
+  Driven hand(window_of(scene));
+  hand.stay(2);
+  const Vector3d middle = hand.to_device(Vector3d::Zero());
+  const double scale = hand.state().scale;
+  const auto at = [&](double degrees, double over_m) {
+    return Vector3d(middle + (scale * kBall_m + over_m) *
+                                 Vector3d(std::sin(degrees * kDegree), 0.0, std::cos(degrees * kDegree)));
+  };
+  hand.go(at(20.0, 0.01));
+  hand.stay(60);
+  hand.go(at(20.0, -0.001));
+  double slips_m_per_s = 0.0;
+  for (double degrees = 20.0; degrees < 70.0; degrees += 0.5) {
+    hand.go(at(degrees, -0.001));
+    hand.stay(100);
+    ASSERT_EQ(hand.state().contact, 1U) << degrees;
+    slips_m_per_s = std::max(slips_m_per_s, hand.state().slip_speed_m_per_s);
+  }
+  EXPECT_LT(slips_m_per_s, 0.001);
 }
 
 TEST(ObjectTouch, TurnsThatAreNoRotationChangeNothing) {

@@ -106,6 +106,30 @@ TEST(HandSpeed, FindsATrembleWhosePositionsComeTwice) {
   }
 }
 
+TEST(HandSpeed, BelievesADeviceAgainThatHasTrembledAndIsStillOrWasPluggedInAnew) {
+  for (const double look_s : {0.0, 0.01}) {
+    HandSpeed hand(5.0);
+    const auto jumps = [&](int tick, double z_m, bool connected = true) {
+      DeviceSample sample = sample_at({0.0, 0.0, z_m}, 0.001 * tick);
+      sample.connected = connected;
+      return hand.jumps(sample, 0.001, look_s);
+    };
+    int tick = 0;
+    const auto tremble = [&] {
+      for (const int end = tick + 20; tick < end; ++tick) static_cast<void>(jumps(tick, tick % 2 == 0 ? 0.001 : 0.0));
+      ASSERT_TRUE(jumps(tick++, 0.001)) << look_s;
+    };
+    tremble();
+    int late = 0;
+    for (int still = 0; still < 200; ++still)
+      if (jumps(tick++, 0.001) && still > 50) ++late;
+    EXPECT_EQ(late, 0) << look_s;
+    tremble();
+    EXPECT_FALSE(jumps(tick++, 0.0, false));
+    EXPECT_FALSE(jumps(tick++, 0.001)) << look_s;
+  }
+}
+
 TEST(HandSpeed, OfADeviceThatRepeatsAllowsWhatPassedSinceThePositionChanged) {
   HandSpeed hand(5.0);
   const auto at = [](double x_m, double time_s) { return sample_at({x_m, 0.0, 0.0}, time_s); };

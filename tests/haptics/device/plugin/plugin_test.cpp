@@ -84,6 +84,7 @@ TEST_F(Plugin, IsFeltAndEndsInZero) {
   const auto device = faulty("");
   EXPECT_EQ(device->info().name, "faulty");
   EXPECT_EQ(device->info().limits.max_force_n, 4.0);
+  EXPECT_NEAR(device->info().limits.encoder_step_m, 150e-6, 1e-12);
   {
     Running run(*device);
     ASSERT_TRUE(eventually([&] { return motor_->micronewtons.load() > 300'000; }));

@@ -73,6 +73,7 @@ int describe(sparsha_device_info* info) {
   info->rate_hz = fault() == "wrong-rate" ? 4000.0 : 1000.0;
   info->fastest_m_per_s = 5.0;
   info->delay_ticks = 1;
+  info->encoder_step_um = 150;
   return fault() == "no-info" ? 1 : 0;
 }
 
