@@ -106,7 +106,8 @@ double Governor::slow_period_s(double nominal_period_s) const noexcept {
 double Governor::stiffness(double wish_n_per_m, double nominal_period_s, double look_s) noexcept {
   const double slow_s = std::max(slow_period_s(nominal_period_s), look_s);
   const double period_s = slow_s >= kJitter * nominal_period_s ? slow_s : nominal_period_s;
-  const double pace_s = this->pace_s(nominal_period_s);
+  // This is called each tick, also between two looks of a slow device.
+  const double tick_s = std::min(ticks_.median_s(nominal_period_s), pace_s(nominal_period_s));
   const double limit = limit_n_per_m_ = stiffness_limit(limits_, period_s, delays_.p95_s(0.0));
   const double target = borne_share_ * (wish_n_per_m > 0.0 ? std::min(wish_n_per_m, limit) : 0.0);
   if (wish_n_per_m != wish_n_per_m_) {
@@ -120,12 +121,12 @@ double Governor::stiffness(double wish_n_per_m, double nominal_period_s, double 
   } else if (wished_s_ < kWish_s && stiffness_n_per_m_ <= borne_share_ * limit) {
     // A changed wish is followed smoothly, without a jump of force. What the loop does not bear goes at once, below.
     const double left = 1.0 - smooth_step(wished_s_ / kWish_s);
-    wished_s_ = std::min(kWish_s, wished_s_ + pace_s);
+    wished_s_ = std::min(kWish_s, wished_s_ + tick_s);
     stiffness_n_per_m_ += (target - stiffness_n_per_m_) * (1.0 - (1.0 - smooth_step(wished_s_ / kWish_s)) / left);
   } else if (target < (falling_ ? 1.0 : kSameLimit) * stiffness_n_per_m_) {
     // Softened faster than a heavy hand can follow, the wall would set it swinging.
     const double time_s = std::max(kSoften_s, kSoftenSwings * swing_.half_period_s());
-    stiffness_n_per_m_ += (target - stiffness_n_per_m_) * std::min(1.0, pace_s / time_s);
+    stiffness_n_per_m_ += (target - stiffness_n_per_m_) * std::min(1.0, tick_s / time_s);
     falling_ = target < kReached * stiffness_n_per_m_;
   } else {
     falling_ = false;
@@ -360,6 +361,7 @@ GovernorOutput Governor::update(const GovernorInput& input) noexcept {
                       input.stiffness_n_per_m >= 0.0 && input.proxy_m.allFinite() && input.normal.allFinite();
   if (!finite) disarm();
   if (!finite || !(input.period_s > 0.0) || !(input.nominal_period_s > 0.0)) return forget();
+  ticks_.add(input.period_s);
   if (input.repeated && !repeats_) periods_ = {}, recent_periods_ = {};  // of repeats that were taken for looks
   repeats_ = repeats_ || input.repeated;
   if (!input.fresh || input.repeated) return without_news(input);

@@ -175,6 +175,7 @@ class Governor {
 
   LoopMeter<2048> periods_;  // some seconds: its percentile hardly moves with jitter
   LoopMeter<> recent_periods_;
+  LoopMeter<> ticks_;  // with and without news
   LoopMeter<> delays_;
   double unmeasured_s_ = 0.0;  // with a force, since the device told a delay
   double pace_s_ = 0.0;        // of this tick

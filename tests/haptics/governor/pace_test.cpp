@@ -104,6 +104,31 @@ TEST(Pace, ANewWishIsFulfilledIn120MillisecondsOfRealTime) {
   }
 }
 
+TEST(Pace, ANewWishIsFulfilledAsFastForADeviceThatLooksEveryTenthTick) {
+  const Loop loop{1000.0, 1000.0};
+  Governor governor{DeviceLimits{}};
+  governor.arm();
+  int ticks = 0;
+  const auto tick = [&](double wish_n_per_m) {
+    const double stiffness_n_per_m = governor.stiffness(wish_n_per_m, 0.001);
+    GovernorInput input = tick_of(loop, {0, 0, 1}, true);
+    input.fresh = ticks++ % 10 == 0;
+    (void)governor.update(input);
+    return stiffness_n_per_m;
+  };
+  for (int k = 0; k < 3000; ++k) (void)tick(20.0);
+  ASSERT_GT(governor.pace_s(0.001), 0.009) << "the case that is meant";
+  double last = tick(40.0), steepest = 0.0;
+  int taken = 1;
+  for (; last < 40.0 - 1e-9 && taken < 1000; ++taken) {
+    const double now = tick(40.0);
+    steepest = std::max(steepest, now - last);
+    last = now;
+  }
+  EXPECT_NEAR(taken, 120, 8);
+  EXPECT_LT(steepest, 1.6 * 20.0 / 120.0);
+}
+
 TEST(Pace, ASteadySlowLoopDoesNotJitterAndOneWhoseTicksScatterDoes) {
   for (const Loop& loop : kSlow) EXPECT_FALSE(settled(loop).jitters()) << loop.real_hz << " of " << loop.planned_hz;
   std::mt19937_64 random(3);
