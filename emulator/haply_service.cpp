@@ -157,7 +157,7 @@ void HaplyService::accept(system::StreamListener& listener, bool events) {
     if (!stream) continue;
     {
       const std::lock_guard lock(mutex_);
-      if (options_.dies && fault_is_on()) continue;  // nobody is there
+      if ((options_.dies || (events && options_.loses_events)) && fault_is_on()) continue;  // nobody is there
     }
     auto peer = WebSocketPeer::greet(std::move(stream));
     if (!peer) continue;
@@ -277,7 +277,7 @@ bool HaplyService::take(Client& client, const std::string& text) {
     if (!one.is_object() || text_at(one, "/device_id") != device_id(0)) continue;
     configure(client, text_at(one, "/configure/basis/permutation"), text_at(one, "/configure/preset/preset"));
     const Json::json_pointer damping("/configure/damping/scalar");
-    if (one.contains(damping) && one[damping].is_number() && !options_.keeps_settings)
+    if (one.contains(damping) && one[damping].is_number() && !options_.keeps_settings && options_.damps)
       client.damping_n_s_per_m = std::clamp(one[damping].get<double>(), 0.0, 20.0);
     // What is deprecated is still taken by a service of 3.5.
     for (const char* const key : {"vector", "values"}) {
@@ -327,7 +327,8 @@ void HaplyService::serve(Client& client) {
     const auto got = client.peer->receive(text, kPoll_s);
     const std::lock_guard lock(mutex_);
     const bool on = fault_is_on();
-    if (got == WebSocketPeer::Got::closed || (options_.dies && on)) client.ended = true;
+    const bool ends = options_.dies || (client.events && options_.loses_events);
+    if (got == WebSocketPeer::Got::closed || (ends && on)) client.ended = true;
     if (got != WebSocketPeer::Got::text || client.ended || client.events) continue;
     note(false, text);
     const bool asks = take(client, text);
@@ -363,17 +364,17 @@ void HaplyService::watch_events() {
     std::this_thread::sleep_for(std::chrono::microseconds(500));
     const std::lock_guard lock(mutex_);
     const bool on = fault_is_on();
-    if (on == told || (!options_.brake && !options_.disconnect)) continue;
+    if (on == told || (!options_.brake && !options_.disconnect && !options_.loses_events)) continue;
     told = on;
     const std::string id = device_id(0);
     if (options_.brake)
       tell(R"({"name":"device-safety-triggered","category":"device","level":"error","data":{"device_family":"inverse",)"
            R"("device_id":")" +
            id + R"(","safety_type":")" + (on ? "ebrake_triggered" : "ebrake_released") + R"("},"message":""})");
-    else
+    else if (options_.disconnect)
       tell(std::string(R"({"name":")") + (on ? "device-disconnected" : "device-connected") +
            R"(","category":"device","level":"info","data":{"device_id":")" + id + R"("},"message":""})");
-    told_ = on;
+    told_ = on && !options_.loses_events;  // whose end nobody is told
     commands_told_ = commands_;
   }
 }

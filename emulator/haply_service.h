@@ -29,6 +29,7 @@ struct HaplyOptions {
   double fault_s = 1.0;
   bool brake = false;           ///< the emergency brake is pulled
   bool disconnect = false;      ///< the device leaves the list
+  bool loses_events = false;    ///< the port of the events closes, and is there again
   bool dies = false;            ///< the service ends, and is started again
   bool silent = false;          ///< no answers
   bool malformed = false;       ///< one answer is no JSON
@@ -38,6 +39,7 @@ struct HaplyOptions {
   bool split = false;           ///< each message in three frames and six writes, always
   bool merged = false;          ///< two answers in one write, always
   bool keeps_settings = false;  ///< another basis, whatever a client configures
+  bool damps = true;            ///< takes the damping that a client sets
   bool version_3_1 = false;     ///< no events, and forces under `values` alone
   bool version_3_6 = false;     ///< one that nobody knows yet: forces under a key of its own, which no client sends
   bool other_words = false;     ///< exponents, unknown keys and kinds, ids last, a wireless grip, a preset as an object

@@ -11,10 +11,10 @@
 #include "app/commands/sentences.h"
 #include "app/exploration/devices.h"
 #include "app/exploration/speaker.h"
-#include "app/terminal/printable.h"
 #include "app/terminal/terminal.h"
 #include "base/error.h"
 #include "base/phrases/phrases.h"
+#include "base/text/printable.h"
 #include "haptics/device/kind.h"
 #include "haptics/servo/real_time.h"
 #include "scene/config/config.h"
@@ -192,7 +192,7 @@ void add_device(Command app, const CommonOptions& common, Run& run) {
   };
   const auto add_on_any = [&](const char* name, const char* what, auto job) {
     Command added = add_on_device(name, what, job);
-    added.add_option("--device", arguments->name, device_names()).shows_default();
+    added.add_option("--device", arguments->name, named_devices()).shows_default();
     return added;
   };
   add("list", "devices that explore can use now", [&common] { return list_devices(common); });
@@ -210,6 +210,7 @@ void add_device(Command app, const CommonOptions& common, Run& run) {
                  "try what a driver may do wrong, and say what a hand would feel of it; forces stay zero");
   add_on_any("monitor", "print position, buttons and rate as they come; forces stay zero",
              [arguments, &common] {
+               arguments->request.watch_only = true;
                return monitor_device(*make_device(arguments->name, arguments->request), common, arguments->duration_s);
              })
       .add_option("--duration", arguments->duration_s, "seconds; default: until stopped")

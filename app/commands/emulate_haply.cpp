@@ -26,6 +26,8 @@ using Options = emulator::HaplyOptions;
 const Fault kFaults[] = {
     {"brake", "the emergency brake is pulled for a second, again and again", [](Options& o) { o.brake = true; }},
     {"disconnect", "the device leaves for a second, again and again", [](Options& o) { o.disconnect = true; }},
+    {"events-end", "the port that tells of the emergency brake closes for a second, again and again",
+     [](Options& o) { o.loses_events = true; }},
     {"service-ends", "the service ends, and is there again a second later", [](Options& o) { o.dies = true; }},
     {"silence", "no answers for a second, again and again", [](Options& o) { o.silent = true; }},
     {"bad-json", "an answer is no JSON, every three seconds", [](Options& o) { o.malformed = true; }},
@@ -40,6 +42,7 @@ const Fault kFaults[] = {
     {"other-words", "exponents, unknown keys and kinds, ids last, a wireless grip",
      [](Options& o) { o.other_words = true; }},
     {"no-preset", "the configuration tells of no preset", [](Options& o) { o.no_preset = true; }},
+    {"no-damping", "it does not take the damping that it is asked for", [](Options& o) { o.damps = false; }},
     {"version-3.1", "an older service: no events, forces under `values` alone",
      [](Options& o) { o.version_3_1 = true; }},
     {"version-3.6", "a service that nobody knows yet: it takes forces under another key",

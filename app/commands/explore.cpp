@@ -11,11 +11,11 @@
 #include "app/exploration/explore_arguments.h"
 #include "app/exploration/study.h"
 #include "app/inputs.h"
-#include "app/terminal/printable.h"
 #include "app/terminal/terminal.h"
 #include "audio/live/stream.h"
 #include "base/error.h"
 #include "base/phrases/phrases.h"
+#include "base/text/printable.h"
 #include "viewer/viewer.h"
 
 namespace sparsha::app {

@@ -65,11 +65,13 @@ std::span<const haptics::DeviceKind> device_kinds() {
   return kinds;
 }
 
-std::string device_names() {
-  std::string names = "auto";
-  for (const haptics::DeviceKind& kind : device_kinds()) names += " | " + spelled(kind);
+std::string named_devices() {
+  std::string names;
+  for (const haptics::DeviceKind& kind : device_kinds()) names += (names.empty() ? "" : " | ") + spelled(kind);
   return names;
 }
+
+std::string device_names() { return "auto | " + named_devices(); }
 
 NamedKind kind_of(const std::string& name) {
   const std::size_t colon = name.find(':');
@@ -82,7 +84,7 @@ NamedKind kind_of(const std::string& name) {
     if ((needs_one && argument.empty()) || (!takes_one && colon != std::string::npos)) break;
     return {&kind, argument};
   }
-  throw usage_error("there is no device '" + name + "'", device_names());
+  throw usage_error("there is no device '" + name + "' here", named_devices());
 }
 
 std::unique_ptr<haptics::Device> make_device(const std::string& name, haptics::DeviceRequest request) {

@@ -22,5 +22,7 @@ struct NamedKind {
 [[nodiscard]] std::unique_ptr<haptics::Device> make_device(const std::string& name, haptics::DeviceRequest request);
 /// "auto | falcon | pointer | ...": what --device may be.
 [[nodiscard]] std::string device_names();
+/// The same without `auto`, for what is asked of one device.
+[[nodiscard]] std::string named_devices();
 
 }  // namespace sparsha::app

@@ -9,12 +9,12 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "app/terminal/printable.h"
 #include "app/words/sentences.h"
 #include "base/error.h"
 #include "base/system.h"
 #include "base/system/signals.h"
 #include "base/system/terminal.h"
+#include "base/text/printable.h"
 
 namespace sparsha::app {
 namespace {

@@ -167,10 +167,13 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     {"device_away", ""},
     {"device_pad", ""},
     {"device_not_set_up", ""},
+    {"device_no_events", ""},
+    {"device_tells_no_brake", ""},
     {"device_changes_force", ""},
     {"plugin_ended", ""},
     {"plugin_silent", ""},
     {"plugin_wrong", ""},
+    {"plugin_refuses", ""},
     // Scenes and scans.
     {"cannot_open", "reason"},
     {"not_written", "reason"},

@@ -97,6 +97,7 @@ int keep_few(int end) {
   constexpr int kKept = 3;
   const int null = ::open("/dev/null", O_RDWR);
   if (null >= 0) ::dup2(null, 0);
+  ::dup2(2, 1);
   if (end != kKept) ::dup2(end, kKept);
 #if defined(__linux__)
   if (::close_range(kKept + 1, ~0U, 0) == 0) return kKept;

@@ -42,7 +42,8 @@ class Worker {
 
   /// `bytes`: of the shared memory, zero at first. `work` returns soon after `stop`, which is set when this program has
   /// ended, too. `rescue` is called, in a process of its own and for `rescue_s` at most, where the worker did not
-  /// return and the head says so. Standard output and error stay open in both, other files do not. `priority` > 0 asks
+  /// return and the head says so. In both what is written to standard
+  /// output goes to standard error: the program's output is its own. Other files do not stay open. `priority` > 0 asks
   /// for SCHED_FIFO. Throws Error{failure} when the system gives no process.
   Worker(std::size_t bytes, const Work& work, const Work& rescue, double rescue_s, int priority);
   /// Asks the worker to return, and waits until it has, or was killed, and what was left is put right.
@@ -70,6 +71,8 @@ class SharedMail {
  public:
   void put(const std::array<std::uint64_t, N>& words) noexcept {
     const std::uint32_t next = count_.load(std::memory_order_relaxed) + 1;
+    // No word of this mail before the count of the last one: who sees one also sees that.
+    std::atomic_thread_fence(std::memory_order_release);
     for (std::size_t i = 0; i < N; ++i) slots_[next & 1U][i].store(words[i], std::memory_order_relaxed);
     count_.store(next, std::memory_order_release);
     wake_waiting(count_);

@@ -23,7 +23,6 @@ constexpr double kGivenUp_s = 1.0;        // a call that has not returned by the
 constexpr double kLongestCall_s = 0.001;  // of those that must not block
 constexpr double kUnlikely_m_per_s = 20.0;
 constexpr double kMostForce_n = 50.0;
-constexpr double kFewSamples_hz = 1.0 / kStale_s;  // fewer leave the hand stale between two of them
 constexpr std::uint64_t kZeroEvery = 64;
 
 /// What a thread saw of the device; the thread may outlive whoever asked.
@@ -190,14 +189,17 @@ ConformanceStep news_of(const Device& device, const DeviceInfo& info, const Watc
   const std::string says =
       advice == nullptr ? "" : fmt::format("; it says: {}", Phrases::of("en").text_or(advice->phrase));
   if (seen.fresh == 0 || seen.disconnected > seen.ticks / 2) {
-    const bool gone = seen.disconnected > 0;
-    return {"news", gone ? Result::failed : Result::skipped, (gone ? "it is not connected" : "nothing new came") + says,
-            "no force"};
+    // A pointer brings news when somebody moves it; a device that sets the pace brings them always.
+    const bool gone = seen.disconnected > 0 || info.paced;
+    return {"news", gone ? Result::failed : Result::skipped,
+            (seen.disconnected > 0 ? "it is not connected" : "nothing new came") + says, "no force"};
   }
   const double rate_hz = static_cast<double>(seen.fresh) / seen.duration_s;
   std::string found = fmt::format("{:.0f} new positions a second{}", rate_hz, says);
   if (advice != nullptr && advice->needed && 2 * seen.unhomed > seen.ticks)
     return {"news", Result::failed, found, "no force before that is done"};
+  if (info.limits.max_force_n > 0.0 && 2 * seen.unhomed > seen.ticks)
+    return {"news", Result::failed, found + "; its positions mean nothing yet (homed is false)", "no force"};
   if (info.rate_hz > 0.0 && (rate_hz < 0.5 * info.rate_hz || rate_hz > 1.5 * info.rate_hz))
     return step("news", false, found + fmt::format(", and it says {:.0f}", info.rate_hz),
                 "a stiffness for another rate: a wall that swings, or one that is too soft");
@@ -207,7 +209,9 @@ ConformanceStep news_of(const Device& device, const DeviceInfo& info, const Watc
     return step("news", false, found + ", between moves of a hand that cannot have stood still, and are said to be new",
                 "it is taken for a faster device: the wall may give back more than it took, and swing");
   if (repeated > 0 && !seen.news.moves()) found += ": the hand hardly moved, so that nothing can be told of it";
-  return step("news", rate_hz >= kFewSamples_hz, found, "the force comes and goes: between two positions it is over");
+  // Fewer leave the hand stale between two of them.
+  const double fewest_hz = 1.0 / stale_after_s(info.rate_hz > 0.0 ? 1.0 / info.rate_hz : 0.0);
+  return step("news", rate_hz >= fewest_hz, found, "the force comes and goes: between two positions it is over");
 }
 
 ConformanceStep positions_of(const DeviceInfo& info, const Watched& seen) {

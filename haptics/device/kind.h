@@ -23,6 +23,7 @@ struct DeviceRequest {
   std::filesystem::path firmware;
   bool window = false;                              ///< a window will be open
   bool wait_for_device = false;                     ///< begin without it, and take it as soon as it can be had
+  bool watch_only = false;                          ///< another program may be at it: look, and change nothing
   std::shared_ptr<Seqlock<PointerSample>> pointer;  ///< where a window writes the mouse
   std::shared_ptr<Seqlock<SteeringSample>> keys;    ///< where a terminal writes its keys
   std::function<bool()> stop;                       ///< asked while opening takes seconds; true ends it: Cancelled

@@ -6,6 +6,7 @@ namespace sparsha::haptics {
 namespace {
 
 constexpr double kPause_s = 3.0;
+constexpr double kRemark_s = 30.0;  // what nothing waits for may come and go with each touch
 
 }  // namespace
 
@@ -41,9 +42,15 @@ void FaultWatch::watch_device(const State& now, const Servo& servo, const Device
   const DeviceAdvice* const advice = device.advice();
   if (advice == advice_told_) return;
   advice_told_ = advice;
-  if (advice != nullptr)
-    announcer_.say_as_is(announcer_.phrases().text_or(advice->phrase),
-                         advice->needed ? Announcement::Priority::warning : Announcement::Priority::information);
+  if (advice == nullptr) return;
+  if (advice->warns) {
+    if (advice == remark_ && now.time_s - remarked_s_ < kRemark_s) return;
+    remark_ = advice;
+    remarked_s_ = now.time_s;
+  }
+  announcer_.say_as_is(announcer_.phrases().text_or(advice->phrase), advice->needed || advice->warns
+                                                                         ? Announcement::Priority::warning
+                                                                         : Announcement::Priority::information);
 }
 
 void FaultWatch::watch_records(const State& now, const SceneKeeper& keeper) {

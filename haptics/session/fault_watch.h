@@ -36,6 +36,8 @@ class FaultWatch {
   bool plugged_ = false;  ///< at any time: who begins without a device hears the device's own advice
   bool unplugged_told_ = false;
   const DeviceAdvice* advice_told_ = nullptr;
+  const DeviceAdvice* remark_ = nullptr;  // the last that warns without a need
+  double remarked_s_ = -1e9;
   double touched_s_ = -1e9;  // when the stone was touched last
   Told silences_told_;
   Told bad_positions_told_;

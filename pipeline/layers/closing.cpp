@@ -185,7 +185,7 @@ NodeSet dilate_by_disc(const NodeSet& set, double radius, ThreadPool& pool) {
   if (set.nx() == 0 || set.ny() == 0) return result;
   NodeSet widened = set;
   const double squared = radius * radius * (1 + 1e-12);
-  const int reach = std::min(static_cast<int>(std::sqrt(squared)), set.ny() - 1);
+  const int reach = static_cast<int>(std::min(std::sqrt(squared), set.ny() - 1.0));
   const auto rows = static_cast<std::size_t>(set.ny());
   const std::size_t words = set.words_per_row();
   int width = 0;

@@ -45,7 +45,7 @@ struct Filter {
       const double w = weight[static_cast<std::size_t>(k)] / total;
       value.push_back(static_cast<float>(w));
       slope.push_back(static_cast<float>(w * k / m2));
-      bend.push_back(static_cast<float>(2 * w * (k * k - m2) / (m4 - m2 * m2)));
+      bend.push_back(static_cast<float>(2 * w * (static_cast<double>(k) * k - m2) / (m4 - m2 * m2)));
     }
   }
   [[nodiscard]] kernel::CurvatureFilter view() const { return {radius, value.data(), slope.data(), bend.data()}; }

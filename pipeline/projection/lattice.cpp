@@ -2,8 +2,10 @@
 #include "pipeline/projection/lattice.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <string>
 
 #include "base/error.h"
@@ -43,6 +45,15 @@ constexpr double kRegular = 0.25;
 
 double nodes_along(double length_m, double spacing_m, double slack) {
   return std::floor(length_m / spacing_m + slack) + 1.0;
+}
+
+// Bounds that are a lattice's own first and last nodes give its counts again: their difference is off by what a double
+// rounds them by, which at 5e6 m is more of a spacing than kKept.
+double slack_of(const std::array<double, 4>& bounds_m, double spacing_m) {
+  double farthest_m = 0.0;
+  for (const double bound_m : bounds_m) farthest_m = std::max(farthest_m, std::abs(bound_m));
+  const double rounded = 4.0 * std::numeric_limits<double>::epsilon() * farthest_m / spacing_m;
+  return std::clamp(rounded, kKept, kRegular);
 }
 
 // The least spacing that keeps a grid nobody asked for within reason: a scan of few points has no more to show, however
@@ -102,6 +113,7 @@ scene::Lattice choose_lattice(const scene::GridConfig& config, const Extent& ext
                   cover.width_m, cover.height_m, lattice.spacing_m);
     throw input_error({}, size, "points that spread over a surface; the right 'units' of the scan");
   }
+  if (config.bounds_m) cover.slack = slack_of(*config.bounds_m, lattice.spacing_m);
   const double nx = nodes_along(cover.width_m, lattice.spacing_m, cover.slack);
   const double ny = nodes_along(cover.height_m, lattice.spacing_m, cover.slack);
   const std::string grid = "a grid of " + shortly(nx) + " x " + shortly(ny) + " nodes";

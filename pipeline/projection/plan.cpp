@@ -228,7 +228,7 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
     plan.scatter = find_scatter(pieces, totals, extent, times * statistics.point_spacing_m);
   }
   const double finer = statistics.point_spacing_m / plan.lattice.spacing_m;
-  plan.rule = {statistics.noise_m, std::clamp(static_cast<int>(std::ceil(6.0 * finer)), 3, 24)};
+  plan.rule = {statistics.noise_m, static_cast<int>(std::clamp(std::ceil(6.0 * finer), 3.0, 24.0))};
   return plan;
 }
 

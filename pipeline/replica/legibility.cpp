@@ -25,7 +25,9 @@ void write_legibility(const ReplicaPlate& plate, const std::filesystem::path& fi
   Image fine{rows, plate.nx, std::vector<float>(static_cast<std::size_t>(rows) * static_cast<std::size_t>(plate.nx))};
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < plate.nx; ++i) fine.at(rows - 1 - j, i) = plate.at(i, plate.first_row + j);
-  const Image height = images().shrink(std::move(fine), std::min(1.0, plate.spacing_mm / kPixel_mm));
+  const double narrowest = 1.0 / std::min(rows, plate.nx);  // a narrow relief has a row of pixels
+  const double share = std::min(1.0, std::max(plate.spacing_mm / kPixel_mm, narrowest));
+  const Image height = images().shrink(std::move(fine), share);
   const double pixel_mm = plate.spacing_mm * plate.nx / height.columns;
   const int gap = 2 * static_cast<int>(std::lround(0.5 * kLeastGap_mm / pixel_mm)) + 1;
   const Image highest = images().dilate(height, gap);

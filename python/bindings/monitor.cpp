@@ -26,6 +26,7 @@ struct Heard {
 
 Heard listen(const std::string& device, double seconds, Progress& progress) {
   haptics::DeviceRequest request;
+  request.watch_only = true;
   request.stop = [&] { return progress.cancelled(); };
   const auto opened = app::make_device(device, std::move(request));
   Heard heard;

@@ -54,13 +54,15 @@ class Reader {
   std::size_t at_ = 0;
 };
 
+constexpr float kHighest_m = 1e12F;  // no scene is so large
+
 bool keeps_its_word(const Sheet& sheet) {
   const auto nx = static_cast<std::size_t>(sheet.nx);
   for (std::size_t node = 0; node < sheet.count(); ++node) {
     const unsigned mask = sheet.mask[node];
     if ((mask & ~unsigned{Sheet::kMeasured | Sheet::kCell}) != 0) return false;
-    const bool known =
-        std::isfinite(sheet.height_m[node]) && std::isfinite(sheet.slope_u[node]) && std::isfinite(sheet.slope_v[node]);
+    const bool known = std::abs(sheet.height_m[node]) <= kHighest_m && std::isfinite(sheet.slope_u[node]) &&
+                       std::isfinite(sheet.slope_v[node]);
     if (sheet.measured(node) && !known) return false;
     if (sheet.measured(node) && !sheet.texture_m.empty() && !std::isfinite(sheet.texture_m[node])) return false;
     if ((mask & Sheet::kCell) == 0) continue;

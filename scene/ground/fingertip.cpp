@@ -44,20 +44,21 @@ class Dilation {
     for (const float z : height) low_.push_back(static_cast<double>(z) * per_unit);
     best_ = low_;
     for (double& best : best_) best += radius_;
-    reach_ = static_cast<int>(std::floor(radius_));
+    // No node is farther from another one.
+    reach_ = static_cast<int>(std::min(std::floor(radius_), std::max(nx, ny) - 1.0));
     for (int d = 0; d <= reach_; ++d) {
       chord_.push_back(std::sqrt(std::max(0.0, radius_ * radius_ - static_cast<double>(d) * d)));
       steep_.push_back(d > 0 ? d / chord_.back() : 0.0);
     }
     const auto widest = [&](int d) {
       int width = 0;
-      while (radius_ * radius_ - static_cast<double>((width + 1) * (width + 1) + d * d) >= 0.0) ++width;
+      while (width < reach_ && radius_ * radius_ - square(width + 1) - square(d) >= 0.0) ++width;
       return width;
     };
     for (int d = 0; d <= reach_; ++d) widths_.push_back(widest(d));
     for (int dj = 0; dj <= reach_; ++dj)
       for (int di = 0; di <= reach_; ++di)
-        caps_.push_back(std::sqrt(std::max(0.0, radius_ * radius_ - static_cast<double>(di * di + dj * dj))));
+        caps_.push_back(std::sqrt(std::max(0.0, radius_ * radius_ - square(di) - square(dj))));
   }
 
   void run() {
@@ -81,6 +82,7 @@ class Dilation {
   }
 
  private:
+  static double square(int nodes) { return static_cast<double>(nodes) * nodes; }
   template <typename Row>
   void for_rows(int count, const Row& row) const {
     for (int j = 0; j < count; ++j) {
@@ -100,7 +102,7 @@ class Dilation {
   }
 
   void take_nodes(int di, int dj) {
-    const double squared = radius_ * radius_ - static_cast<double>(di * di + dj * dj);
+    const double squared = radius_ * radius_ - square(di) - square(dj);
     if (squared < 0.0) return;
     const double cap = std::sqrt(squared);
     const int end = std::min(nx_, nx_ - di);

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "app/terminal/printable.h"
+#include "base/text/printable.h"
 #include "tests/app/program.h"
 
 namespace sparsha {
@@ -101,7 +101,7 @@ TEST_F(Stranger, ControlCharactersOfFilesNeverReachTheTerminal) {
 }
 
 TEST(Printable, EscapesWhatATerminalObeysAndKeepsAllOtherText) {
-  using app::printable;
+  using sparsha::printable;
   for (const char* kept : {"plain", "Grüße, 表面, 🗿", "a \"quoted\" \\ text"}) EXPECT_EQ(printable(kept), kept);
   EXPECT_EQ(printable("\x1b[2J"), "\\u001b[2J");
   EXPECT_EQ(printable("a\nb\tc", true), "a\nb\tc");

@@ -59,7 +59,7 @@ constexpr int kFailures = 4;
 
 constexpr DeviceAdvice kComeForward{"homed_come_forward", true};
 constexpr DeviceAdvice kReady{"device_ready", false};
-constexpr DeviceAdvice kWarm{"device_warm", false};
+constexpr DeviceAdvice kWarm{"device_warm", false, true};
 constexpr DeviceAdvice kSilent{"device_silent", true};
 
 class FalconDevice final : public Device {

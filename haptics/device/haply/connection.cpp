@@ -15,6 +15,12 @@ constexpr int kReadBackMessages = 8;
 
 constexpr DeviceAdvice kNoService{"device_no_service", true};
 constexpr DeviceAdvice kAway{"device_away", true};
+constexpr DeviceAdvice kNoEvents{"device_no_events", true};
+
+const DeviceAdvice* advice_on(Kind problem) {
+  if (problem == Kind::no_device) return &kAway;
+  return problem == Kind::no_events ? &kNoEvents : &kNoService;
+}
 
 double since(Steady::time_point then) { return std::chrono::duration<double>(Steady::now() - then).count(); }
 
@@ -82,15 +88,24 @@ WebSocket::Status Connection::send_force(const Eigen::Vector3d& force_n) noexcep
   return size == 0 ? WebSocket::Status::malformed : states->send({text_.data(), size});
 }
 
+WebSocket::Status Connection::send_probe() noexcept {
+  const std::size_t size = write_probe(text_, id.view());
+  return size == 0 ? WebSocket::Status::malformed : states->send({text_.data(), size});
+}
+
 std::unique_ptr<Connection> connect(const HaplyOptions& options, ConnectProblem& problem) {
   problem = {Kind::no_service, {}};
   auto connection = std::make_unique<Connection>();
   connection->states = WebSocket::open(options.port, kGreeting_s);
   if (!connection->states || !read_inventory(*connection, options, problem)) return nullptr;
   connection->events = WebSocket::open(options.events_port, kGreeting_s);
+  if (!connection->events && options.needs_events) {
+    problem.kind = Kind::no_events;
+    return nullptr;
+  }
   // Only services with events, 3.5 and later, are known to want `vector`.
   connection->force_key = connection->events ? ForceKey::vector : ForceKey::values;
-  if (!read_back(*connection, problem)) return nullptr;
+  if (!options.watch_only && !read_back(*connection, problem)) return nullptr;
   problem = {};
   return connection;
 }
@@ -100,9 +115,10 @@ Finder::Finder(HaplyOptions options) : options_(std::move(options)), plug_([this
 std::unique_ptr<Connection> Finder::find() {
   HaplyOptions options = options_;
   if (taken_.size > 0) options.device_id = taken_.view();
+  options.needs_events = had_events_;
   ConnectProblem problem;
   std::unique_ptr<Connection> found = connect(options, problem);
-  advice_.store(found ? nullptr : problem.kind == Kind::no_device ? &kAway : &kNoService);
+  advice_.store(found ? nullptr : advice_on(problem.kind));
   return found;
 }
 

@@ -18,7 +18,7 @@ namespace sparsha::haptics::haply {
 
 /// Why there is none.
 struct ConnectProblem {
-  enum class Kind : std::uint8_t { none, no_service, closed, not_understood, no_device };
+  enum class Kind : std::uint8_t { none, no_service, closed, not_understood, no_device, no_events };
   Kind kind = Kind::none;
   std::vector<std::string> ids;  ///< of the Inverse3 that are there, though none is the wanted one
 };
@@ -35,6 +35,9 @@ struct Connection {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
 
   WebSocket::Status send_force(const Eigen::Vector3d& force_n) noexcept;
+  WebSocket::Status send_probe() noexcept;
+  /// kServiceDamping has been read back, or more.
+  [[nodiscard]] bool damps() const noexcept { return damping_n_s_per_m >= 0.99 * kServiceDamping; }
 
  private:
   std::array<char, 512> text_{};
@@ -51,7 +54,10 @@ class Finder {
 
   // Servo thread; no lock, no allocation.
   void give_back(Connection* connection) noexcept {
-    if (connection != nullptr) taken_ = connection->id;
+    if (connection != nullptr) {
+      taken_ = connection->id;
+      had_events_ = had_events_ || connection->events != nullptr;
+    }
     plug_.give_back(connection);
   }
   [[nodiscard]] Connection* take() noexcept { return plug_.take(); }
@@ -62,7 +68,8 @@ class Finder {
   [[nodiscard]] std::unique_ptr<Connection> find();
 
   HaplyOptions options_;
-  DeviceId taken_;  // written while none is looked for
+  DeviceId taken_;           // written while none is looked for
+  bool had_events_ = false;  // likewise
   std::atomic<const DeviceAdvice*> advice_{nullptr};
   HotPlug<Connection> plug_;  // the last: its thread uses what stands above
 };

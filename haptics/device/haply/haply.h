@@ -21,6 +21,11 @@ struct HaplyOptions {
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
   /// Begin without a service or a device, and take the first that can be had.
   bool wait_for_device = false;
+  /// Nothing is set and no force is commanded, zero neither: another program may be at the device. Places are then told
+  /// from the origin that the service has, and the device counts as one that may not push.
+  bool watch_only = false;
+  /// The service has told of events before: one that tells of none is not taken.
+  bool needs_events = false;
   std::function<bool()> stop;  ///< asked while opening; true ends it: Cancelled
 };
 
@@ -33,8 +38,10 @@ struct HaplyOptions {
 
 /// Connects, sets basis and preset and reads them back: without that there is no force. Forces are zero from the tick
 /// in which an emergency brake, a disconnection, a message that is none or 7 ms without an answer is seen, and come
-/// back once the brake is released and the hand has been in free space. A service that ends is looked for again. Throws
-/// Error{device}: no service, no Inverse3.
+/// back once the brake is released and the hand has been in free space. A service that ends is looked for again, and
+/// one that told of events has to tell of them again. Where the first one has not taken the damping that it is asked
+/// for, the limits are those of a hand with less of it; a later one gets no force then. Throws Error{device}: no
+/// service, no Inverse3.
 [[nodiscard]] std::unique_ptr<Device> make_haply_device(const HaplyOptions& options = {});
 
 [[nodiscard]] DeviceKind haply_kind();

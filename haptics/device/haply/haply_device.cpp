@@ -23,6 +23,9 @@ using Status = WebSocket::Status;
 constexpr double kSilent_s = 0.1;  // then the service does not answer any more
 constexpr int kMostMessages = 16;  // taken in a tick: more come only from a damaged service
 constexpr int kFinalZeros = 3;
+/// Of the damping that the limits count on, where the service has none: a gate that closes and opens gives no more than
+/// with it (docs/touch.md, "Behind a service").
+constexpr double kUndampedShare = 0.4;
 /// The sheet: 4 N in 80 % of the workspace, 10 N at most.
 constexpr double kMostForce_n = 4.0;
 constexpr double kLift_s = 2.0;  // so long it is said that the hand must be lifted
@@ -31,7 +34,8 @@ constexpr DeviceAdvice kBrake{"device_ebrake", true};
 constexpr DeviceAdvice kLift{"device_lift", true};
 constexpr DeviceAdvice kShared{"device_shared", true};
 constexpr DeviceAdvice kNotSetUp{"device_not_set_up", true};
-constexpr DeviceAdvice kChanged{"device_changes_force", false};
+constexpr DeviceAdvice kChanged{"device_changes_force", false, true};
+constexpr DeviceAdvice kNoBrakeTold{"device_tells_no_brake", false, true};
 constexpr DeviceAdvice kTaken{"device_changes_force", true};
 constexpr double kNothing = 0.1;  // of a force, that arrives: nobody feels it
 
@@ -48,6 +52,14 @@ class HaplyDevice final : public Device {
                        connection->ids.front() + ", is taken";
     if (connection && !connection->events)
       info_.warning += "; this service tells of no emergency brake: keep a hand at the plug";
+    if (options.watch_only) {
+      info_.limits.max_force_n = 0.0;
+      info_.warning += "; it is only watched: places are told from the origin that its service has";
+    } else if (connection && !connection->damps()) {
+      info_.limits.least_damping_n_s_per_m *= kUndampedShare;
+      info_.warning += "; its service has not taken the damping that it was asked for: walls are softer";
+      needs_damping_ = false;
+    }
     if (connection)
       adopt(connection.release());
     else
@@ -55,7 +67,7 @@ class HaplyDevice final : public Device {
   }
   ~HaplyDevice() override {
     const std::unique_ptr<Connection> connection(connection_);
-    if (!connection) return;
+    if (!connection || options_.watch_only) return;
     for (int i = 0; i < kFinalZeros; ++i)
       if (connection->send_force(Eigen::Vector3d::Zero()) != Status::ok) break;
   }
@@ -68,7 +80,10 @@ class HaplyDevice final : public Device {
     next_ = std::max(next_ + period, now - period);
     std::this_thread::sleep_until(next_);
     if (connection_ == nullptr) {
-      if (Connection* const found = finder_.take()) adopt(found);
+      if (Connection* const found = finder_.take()) {
+        adopt(found);
+        tells_no_brake_ = !found->events;
+      }
       return;
     }
     watch_events();
@@ -95,7 +110,7 @@ class HaplyDevice final : public Device {
     sample.fresh = fresh_;
     sample.connected = connection_ != nullptr;
     // What is no place, or no force, begins anew in free space.
-    sample.homed = connection_ != nullptr && may_push();
+    sample.homed = connection_ != nullptr && (options_.watch_only ? calm_ : may_push());
     fresh_ = false;
     if (!calm_) excited_ = Steady::now();
     advise();
@@ -122,7 +137,11 @@ class HaplyDevice final : public Device {
   [[nodiscard]] static double since(Steady::time_point then) noexcept {
     return std::chrono::duration<double>(Steady::now() - then).count();
   }
-  [[nodiscard]] bool may_push() const noexcept { return !braked_ && !shared_ && set_up_ && calm_; }
+  [[nodiscard]] bool may_push() const noexcept { return !braked_ && !shared_ && is_set_up() && calm_; }
+  /// Basis, preset and the damping that the limits count on.
+  [[nodiscard]] bool is_set_up() const noexcept {
+    return set_up_ && (!needs_damping_ || damping_n_s_per_m_ >= 0.99 * kServiceDamping);
+  }
 
   void adopt(Connection* connection) noexcept {
     connection_ = connection;
@@ -144,7 +163,7 @@ class HaplyDevice final : public Device {
   }
 
   void ask(const Eigen::Vector3d& force_n) noexcept {
-    const Status status = connection_->send_force(force_n);
+    const Status status = options_.watch_only ? connection_->send_probe() : connection_->send_force(force_n);
     if (status == Status::closed || status == Status::malformed) lose();
     if (status != Status::ok) return;
     before_n_ = commanded_n_;
@@ -189,9 +208,9 @@ class HaplyDevice final : public Device {
     position_m_ = state.position_m;
     fresh_ = true;
     tells_applied_ = state.has_force;
+    if (state.damping_n_s_per_m >= 0.0) damping_n_s_per_m_ = state.damping_n_s_per_m;
     if (!state.has_force) return;
     applied_n_ = to_device(state.force_n);
-    if (state.damping_n_s_per_m >= 0.0) damping_n_s_per_m_ = state.damping_n_s_per_m;
     match_.see(commanded_n_, before_n_, state.force_n, -damping_n_s_per_m_ * velocity_m_per_s_,
                std::min(delay_s_, 0.01));
     if (match_.others()) shared_ = true;
@@ -243,7 +262,7 @@ class HaplyDevice final : public Device {
         advice = &kBrake;
       else if (shared_)
         advice = &kShared;
-      else if (!set_up_)
+      else if (!is_set_up() && !options_.watch_only)
         advice = &kNotSetUp;
       else if (since(excited_) < kLift_s)
         advice = &kLift;
@@ -251,6 +270,8 @@ class HaplyDevice final : public Device {
         advice = &kTaken;
       else if (match_.differs())
         advice = &kChanged;
+      else if (tells_no_brake_)
+        advice = &kNoBrakeTold;
     }
     advice_.store(advice, std::memory_order_relaxed);
   }
@@ -273,6 +294,8 @@ class HaplyDevice final : public Device {
   bool shared_ = false;             ///< somebody else sends forces: until the next connection
   bool nothing_arrives_ = false;    ///< of the last force that could be felt
   bool set_up_ = false;
+  bool needs_damping_ = true;     ///< else the limits are those of a service without it
+  bool tells_no_brake_ = false;   ///< of a service that came later; of the first, the warning says it
   bool calm_ = true;              ///< nothing has happened in this tick after which a hand must begin anew
   Steady::time_point excited_{};  ///< when something had
   bool asked_ = false, fresh_ = false;
@@ -321,6 +344,7 @@ HaplyOptions options_of(const DeviceRequest& request) {
   options.events_port = port_of("SPARSHA_HAPLY_EVENTS_PORT", options.events_port);
   options.device_id = request.argument;
   options.wait_for_device = request.wait_for_device;
+  options.watch_only = request.watch_only;
   options.stop = request.stop;
   return options;
 }
@@ -355,7 +379,9 @@ DeviceKind haply_kind() {
           "the Inverse3 of Haply's Inverse Service",
           [](const DeviceRequest& request) -> std::vector<FoundDevice> {
             ConnectProblem problem;
-            const std::unique_ptr<Connection> connection = connect(options_of(request), problem);
+            HaplyOptions options = options_of(request);
+            options.watch_only = true;  // a list disturbs nobody
+            const std::unique_ptr<Connection> connection = connect(options, problem);
             if (!connection) return {{"", false, missing(problem, request.argument).wrong(), {}}};
             std::vector<FoundDevice> found;
             for (const std::string& id : connection->ids) found.push_back({id, true, "", {}});

@@ -261,6 +261,14 @@ std::size_t write_full_state_request(std::span<char> text, std::string_view id, 
   return writer.size();
 }
 
+std::size_t write_probe(std::span<char> text, std::string_view id) noexcept {
+  Writer writer(text);
+  writer.add(R"({"inverse3":[{"device_id":")");
+  writer.add(id);
+  writer.add(R"(","commands":{"probe_position":{}}}]})");
+  return writer.size();
+}
+
 std::size_t write_force(std::span<char> text, std::string_view id, const Eigen::Vector3d& force_n,
                         ForceKey key) noexcept {
   Writer writer(text);

@@ -82,6 +82,8 @@ inline constexpr double kServiceDamping = 2.0;
 /// Asks for an answer that tells the configuration again, which others leave out; no force. Its size; 0 where it does
 /// not fit.
 [[nodiscard]] std::size_t write_full_state_request(std::span<char> text, std::string_view id, ForceKey key) noexcept;
+/// Asks for an answer and commands nothing. Its size; 0 where it does not fit.
+[[nodiscard]] std::size_t write_probe(std::span<char> text, std::string_view id) noexcept;
 /// The message of a tick.
 [[nodiscard]] std::size_t write_force(std::span<char> text, std::string_view id, const Eigen::Vector3d& force_n,
                                       ForceKey key) noexcept;

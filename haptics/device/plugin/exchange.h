@@ -36,8 +36,11 @@ struct Exchange {
   std::atomic<std::uint32_t> void_up_to{0};   ///< forces up to this number are zero
   std::atomic<std::uint64_t> servo_beats{0};  ///< signs of life of whoever decides the force
   std::atomic<std::uint32_t> failures{0};     ///< calls that returned an error
+  std::atomic<std::uint32_t> refusals{0};     ///< those of write() among them
 };
 
+/// Of new positions, as device_plugin.h tells them.
+inline constexpr double kUsualRate_hz = 1000.0, kLeastRate_hz = 100.0, kMostRate_hz = 10'000.0;
 /// What a force may rest upon: later than so without a beat of the servo the plug-in is told zero.
 inline constexpr std::int64_t kServoSilent_ns = 20'000'000;
 /// A call that lasts longer: zero() is called meanwhile.

@@ -12,10 +12,10 @@
 namespace sparsha::haptics::plugin {
 namespace {
 
-constexpr double kUsualRate_hz = 1000.0, kLeastRate_hz = 100.0, kMostRate_hz = 10'000.0;
 constexpr double kForceWait = 0.5;  // of a period: so long a position's own force is waited for
 constexpr int kFinalZeros = 3;
 constexpr std::int64_t kMs = 1'000'000;
+constexpr std::int64_t kNoCall = 0;  // between two ticks
 
 void refuse(Exchange& shared, const std::string& problem, Stage stage = Stage::refused) {
   std::snprintf(shared.problem, sizeof shared.problem, "%s", problem.c_str());
@@ -59,7 +59,6 @@ class Host {
   void run() {
     const double rate_hz = shared_.info.rate_hz > 0.0 ? shared_.info.rate_hz : kUsualRate_hz;
     const auto period_ns = static_cast<std::int64_t>(1e9 / std::clamp(rate_hz, kLeastRate_hz, kMostRate_hz));
-    called_ns_.store(system::shared_time_ns());
     std::thread guard([this] { watch(); });
     std::int64_t planned_ns = system::shared_time_ns();
     while (shared_.head.stop.load(std::memory_order_relaxed) == 0) {
@@ -89,7 +88,7 @@ class Host {
     system::wait_for_change(shared_.force.count(), before, kForceWait * period_s);
     begin_call();
     write(wanted());
-    called_ns_.store(system::shared_time_ns());
+    called_ns_.store(kNoCall);
   }
 
   void begin_call() {
@@ -119,6 +118,7 @@ class Host {
     if (force) shared_.head.rescue.store(1);  // before it goes out
     if (plugin_.write(force_n.data()) != 0) {
       shared_.failures.fetch_add(1);
+      shared_.refusals.fetch_add(1);
       plugin_.zero();
     } else if (!force && ++zeros_ >= kFinalZeros) {
       shared_.head.rescue.store(0);
@@ -129,13 +129,14 @@ class Host {
   void watch() {
     while (!over_.load()) {
       system::sleep_until_shared_ns(system::shared_time_ns() + kMs);
-      if (system::shared_time_ns() - called_ns_.load() > kCallHangs_ns) plugin_.zero();
+      const std::int64_t called_ns = called_ns_.load();
+      if (called_ns != kNoCall && system::shared_time_ns() - called_ns > kCallHangs_ns) plugin_.zero();
     }
   }
 
   const sparsha_device_plugin& plugin_;
   Exchange& shared_;
-  std::atomic<std::int64_t> called_ns_{0};
+  std::atomic<std::int64_t> called_ns_{kNoCall};
   std::atomic<bool> over_{false};
   std::uint64_t servo_beats_ = 0;
   std::int64_t servo_heard_ns_ = 0;

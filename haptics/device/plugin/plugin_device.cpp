@@ -1,4 +1,6 @@
 // The servo's side of a plug-in.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -8,6 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/text/printable.h"
 #include "haptics/device/plugin/exchange.h"
 #include "haptics/device/plugin/plugin.h"
 #include "haptics/device/plugin/rate_watch.h"
@@ -16,17 +19,18 @@
 namespace sparsha::haptics::plugin {
 namespace {
 
-constexpr double kUsualRate_hz = 1000.0;
 constexpr double kUsualFastest_m_per_s = 5.0;
 constexpr std::chrono::seconds kOpening{10};
 constexpr double kRescue_s = 3.0;
 constexpr int kPriority = 80;
-constexpr double kSilent_s = 0.1;  // then it is said
-constexpr double kMostAway = 4.0;  // workspaces from the middle: no place
+constexpr double kSilent_s = 0.1;   // then it is said
+constexpr double kRefused_s = 0.5;  // after a force that the plug-in did not take, none is asked for
+constexpr double kMostAway = 4.0;   // workspaces from the middle: no place
 
 constexpr DeviceAdvice kEnded{"plugin_ended", true};
 constexpr DeviceAdvice kSilent{"plugin_silent", true};
 constexpr DeviceAdvice kWrong{"plugin_wrong", true};
+constexpr DeviceAdvice kRefuses{"plugin_refuses", true};
 
 double number_of(std::uint64_t word) noexcept { return std::bit_cast<double>(word); }
 
@@ -41,7 +45,7 @@ double number_of(std::uint64_t word) noexcept { return std::bit_cast<double>(wor
 
 DeviceInfo info_of(const sparsha_device_info& said) {
   DeviceInfo info;
-  info.name = said.name[0] == '\0' ? "a plug-in without a name" : said.name;
+  info.name = said.name[0] == '\0' ? "a plug-in without a name" : printable(said.name);
   if (std::isfinite(said.workspace_width_m) && said.workspace_width_m >= 0.01 && said.workspace_width_m <= 2.0) {
     info.workspace_width_m = said.workspace_width_m;
   } else {
@@ -55,7 +59,7 @@ DeviceInfo info_of(const sparsha_device_info& said) {
   info.limits.encoder_step_m = 1e-6 * static_cast<double>(said.encoder_step_um);
   info.limits = usable(info.limits);
   info.paced = true;
-  info.rate_hz = said.rate_hz > 0.0 && said.rate_hz <= 10'000.0 ? said.rate_hz : kUsualRate_hz;
+  info.rate_hz = said.rate_hz > 0.0 ? said.rate_hz : kUsualRate_hz;
   info.fastest_m_per_s = said.fastest_m_per_s > 0.0 ? std::min(said.fastest_m_per_s, 100.0) : kUsualFastest_m_per_s;
   return info;
 }
@@ -69,6 +73,10 @@ class PluginDevice final : public Device {
             [name = file.string()](void*) { switch_off(name.c_str()); }, kRescue_s, kPriority),
         shared_(*static_cast<Exchange*>(worker_.shared())) {
     wait_until_open(file, stop);
+    if (const double rate_hz = shared_.info.rate_hz;
+        rate_hz != 0.0 && !(rate_hz >= kLeastRate_hz && rate_hz <= kMostRate_hz))
+      refuse(file, fmt::format("the plug-in cannot be used: its rate of {:g} Hz is none for a hand", rate_hz),
+             fmt::format("{:g} to {:g} Hz, or 0 for {:g}", kLeastRate_hz, kMostRate_hz, kUsualRate_hz));
     info_ = info_of(shared_.info);
     rate_ = RateWatch(info_.rate_hz);
   }
@@ -101,16 +109,18 @@ class PluginDevice final : public Device {
     for (std::size_t i = 0; i < 4; ++i) sample.orientation[i] = number_of(words_[3 + i]);
     sample.buttons = words_[8];
     sample.time_s = time_s;
-    const double delay_s = number_of(words_[7]);
-    constexpr double kLongest_s = 0.1;
-    sample.delay_s = delay_s >= 0.0 ? std::min(delay_s, kLongest_s) : 0.0;
+    sample.delay_s = number_of(words_[7]);  // the servo takes none that cannot be
     sample.fresh = came && (words_[9] & 1U) != 0;
     const bool runs = worker_.end() == system::WorkerEnd::none;
     sample.connected = runs && (words_[9] & 4U) != 0;
     rate_.tick(time_s, sample.fresh);
+    if (const std::uint32_t refusals = shared_.refusals.load(std::memory_order_relaxed); refusals != refusals_) {
+      refusals_ = refusals;
+      refused_until_s_ = time_s + kRefused_s;
+    }
     const bool away = sample.position_m.allFinite() && sample.position_m.norm() > kMostAway * info_.workspace_width_m;
-    sample.homed = (words_[9] & 2U) != 0 && !rate_.wrong() && !away;
-    advise(runs, time_s, away || !sample.position_m.allFinite() || delay_s != sample.delay_s);
+    sample.homed = (words_[9] & 2U) != 0 && !rate_.wrong() && !away && time_s >= refused_until_s_;
+    advise(runs, time_s, away || !sample.position_m.allFinite());
     return sample;
   }
 
@@ -127,9 +137,9 @@ class PluginDevice final : public Device {
     for (;;) {
       const Stage stage = shared_.stage.load();
       if (stage == Stage::runs) return;
-      if (stage == Stage::refused) refuse(file, shared_.problem);
+      if (stage == Stage::refused) refuse(file, printable(shared_.problem));
       if (stage == Stage::not_open)
-        refuse(file, std::string("the plug-in cannot open its device: ") + shared_.problem,
+        refuse(file, std::string("the plug-in cannot open its device: ") + printable(shared_.problem),
                "a device that is plugged in and in order, as its driver wants it");
       if (worker_.end() != system::WorkerEnd::none)
         refuse(file,
@@ -157,6 +167,8 @@ class PluginDevice final : public Device {
       advice = &kSilent;
     else if (wrong || rate_.wrong())
       advice = &kWrong;
+    else if (time_s < refused_until_s_)
+      advice = &kRefuses;
     advice_.store(advice, std::memory_order_relaxed);
   }
 
@@ -167,6 +179,8 @@ class PluginDevice final : public Device {
   std::uint32_t number_ = 0;
   SampleWords words_{};
   double heard_s_ = 0.0;
+  std::uint32_t refusals_ = 0;
+  double refused_until_s_ = 0.0;
   std::atomic<const DeviceAdvice*> advice_{nullptr};
 };
 

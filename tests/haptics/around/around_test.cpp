@@ -440,7 +440,7 @@ TEST(Around, CellsOfTwoPiecesOfASheetAreRecordedAsTwo) {
         return SeenSurface{rise * angle(u, v), -rise * v / (radius * radius), rise * u / (radius * radius)};
       },
       41, kSpacing);
-  charts.sheets.resize(1);
+  std::erase_if(charts.sheets, [](const scene::Sheet& sheet) { return sheet.side != scene::Side::front; });
   scene::Sheet& ramp = charts.sheets[0];
   const auto here = [&](int i, int j) { return angle((ramp.first_u + i) * kSpacing, (ramp.first_v + j) * kSpacing); };
   for (int j = 0; j + 1 < ramp.ny; ++j)

@@ -201,6 +201,33 @@ TEST(Conformance, SaysThatADeviceIsThereAndGivesNoForceYet) {
   EXPECT_THAT(step.to_a_hand, HasSubstr("no force"));
 }
 
+TEST(Conformance, ADeviceWhosePositionsMeanNothingFails) {
+  struct Waits : Hand {
+    [[nodiscard]] DeviceSample read(double time_s, double period_s) noexcept override {
+      DeviceSample sample = Hand::read(time_s, period_s);
+      sample.homed = false;
+      return sample;
+    }
+  };
+  const ConformanceStep step = watched<Waits>("news");
+  EXPECT_EQ(step.result, Result::failed);
+  EXPECT_THAT(step.found, HasSubstr("homed is false"));
+}
+
+TEST(Conformance, ASlowDeviceThatSaysItsRateIsNotBlamedForIt) {
+  struct Slow : Hand {
+    Slow() { info_.rate_hz = 100.0; }
+    [[nodiscard]] DeviceSample read(double time_s, double period_s) noexcept override {
+      DeviceSample sample = Hand::read(time_s, period_s);
+      sample.fresh = ++ticks_ % 10 == 0;
+      return sample;
+    }
+    int ticks_ = 0;
+  };
+  const ConformanceStep step = watched<Slow>("news");
+  EXPECT_EQ(step.result, Result::passed) << step.found;
+}
+
 /// Looks at the hand `kLooks` times a second, and says of each answer that it is new.
 template <int kLooks>
 struct Repeats : Hand {

@@ -75,7 +75,7 @@ TEST(StabilityTable, HoldsAndStrokesOfUndeclaredDelayDeliverLittleAndDoNotSwing)
 }
 
 TEST(StabilityTable, BehindAServiceThatGatesForcesDampingKeepsHandsCalm) {
-  const auto worst = [](double service_damping) {
+  const auto worst = [](double service_damping, double least_damping_n_s_per_m = 1.0) {
     TouchResult most;
     for (const bool stroke : {false, true})
       for (const double damping : {0.5, 5.0}) {
@@ -87,7 +87,7 @@ TEST(StabilityTable, BehindAServiceThatGatesForcesDampingKeepsHandsCalm) {
         c.delay_s = 0.00125;
         c.duration_s = 5.0;
         c.device = device_of(c);
-        c.device->limits.least_damping_n_s_per_m = 1.0;
+        c.device->limits.least_damping_n_s_per_m = least_damping_n_s_per_m;
         c.device->limits.delay_ticks = 2;
         c.service = ServiceFilters{0.3, service_damping};
         const TouchResult result = touch(c, ground(c.ground));
@@ -102,6 +102,10 @@ TEST(StabilityTable, BehindAServiceThatGatesForcesDampingKeepsHandsCalm) {
   EXPECT_LE(damped.swing_m, kMostSteps * TouchCase{}.encoder_step_m);
   EXPECT_GT(damped.gated, 0.05) << "the gate closes at all";
   EXPECT_GT(bare.reached_j, 2.0 * damped.reached_j) << "what the damping is for";
+  // As the driver limits itself behind a service that does not damp.
+  const TouchResult limited = worst(0.0, 0.4);
+  EXPECT_LE(limited.reached_j, kMost_j);
+  std::printf("limited %.2f mJ, %.1f um; ", 1e3 * limited.reached_j, 1e6 * limited.swing_m);
   std::printf("damped %.2f mJ, %.1f um; bare %.2f mJ, %.1f um\n", 1e3 * damped.reached_j, 1e6 * damped.swing_m,
               1e3 * bare.reached_j, 1e6 * bare.swing_m);
 }

@@ -61,6 +61,41 @@ TEST(Session, SaysWhatIsWrongWithTheDeviceAndTakesTheForceAway) {
   }
 }
 
+/// In the air, with an advice that comes and goes.
+class Advising final : public Device {
+ public:
+  [[nodiscard]] DeviceInfo info() const override { return {}; }
+  [[nodiscard]] DeviceSample read(double time_s, double) noexcept override {
+    static constexpr DeviceAdvice kChanged{"device_changes_force", false, true};
+    advice_.store(std::fmod(time_s, 0.1) < 0.05 ? nullptr : &kChanged);
+    if (time_s > 0.4) rounds_over_.store(true);
+    return sample_at({0.0, 0.0, 0.02}, time_s);
+  }
+  void write(const Eigen::Vector3d&) noexcept override {}
+  void zero() noexcept override {}
+  [[nodiscard]] const DeviceAdvice* advice() const noexcept override { return advice_.load(); }
+  [[nodiscard]] bool rounds_over() const { return rounds_over_.load(); }
+
+ private:
+  std::atomic<const DeviceAdvice*> advice_{nullptr};
+  std::atomic<bool> rounds_over_{false};
+};
+
+TEST(Session, WarnsOnceOfADeviceThatChangesForcesAtEachTouch) {
+  auto device = std::make_unique<Advising>();
+  const Advising& advising = *device;
+  Session session(sparsha::test::flat_scene(), std::move(device), SessionOptions{});
+  session.start();
+  ASSERT_TRUE(poll_until(session, [&] { return advising.rounds_over(); }));
+  const auto all = session.announcements().since(0);
+  EXPECT_EQ(std::count_if(all.begin(), all.end(),
+                          [](const Announcement& a) {
+                            return a.priority == Announcement::Priority::warning &&
+                                   a.text.find("more than a tenth") != std::string::npos;
+                          }),
+            1);
+}
+
 TEST(Session, SaysWhenRealTimeWasNotGranted) {
   SessionOptions options;
   Session session(sparsha::test::flat_scene(), make_simulated_device(1, 0.0), options);

@@ -172,6 +172,14 @@ TEST(Fingertip, FindsTheHighestTopOnSaddlesThatAreSharperThanTheBall) {
   EXPECT_GT(touched_inside, kGrids / 2);
 }
 
+TEST(Fingertip, OfABallThatIsFarLargerThanTheStoneLiesOnItsHighestPlaces) {
+  // Squares of its radius in spacings are beyond a 32-bit number, and a table of its cap beyond any memory.
+  std::vector<float> height(7 * 5, 0.0F);
+  height[2 * 7 + 3] = 0.25F;
+  touch_with_ball(height, 7, 5, 1e-9, 1e-3);
+  for (const float z : height) EXPECT_NEAR(z, 0.25, 1e-6);
+}
+
 TEST(Fingertip, LeavesLevelStoneWhereItIsAndLiftsASlopeByItsNormal) {
   for (const double slope : {0.0, 0.5, 2.0}) {
     std::vector<float> z;

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "base/error.h"
+#include "pipeline/projection/lattice.h"
 #include "pipeline/projection/projector.h"
 #include "tests/support/clouds.h"
 
@@ -335,6 +336,24 @@ TEST(Projection, AnAutomaticGridOfUnevenPointsHasAtMostSixteenNodesAPoint) {
   }
   const pipeline::Projection p = project_cloud(make_cloud(points), {});
   EXPECT_LE(p.grid.lattice.count(), 16U * points.size());
+}
+
+TEST(Lattice, BoundsThatAreItsOwnNodesGiveItAgainWhereverItLies) {
+  for (const double x0_m : {0.0, -0.3, 412345.678, 5312345.123, -7.1e6})
+    for (const double spacing_m : {1e-4, 0.002, 0.01, 0.05, 0.25})
+      for (int nx = 2; nx < 200; ++nx) {
+        scene::Lattice own;
+        own.nx = nx;
+        own.ny = 7 + nx % 5;
+        own.spacing_m = spacing_m;
+        own.origin_m = {x0_m, 0.9 * x0_m, 0.0};
+        scene::GridConfig config;
+        config.spacing_m = spacing_m;
+        config.bounds_m = {own.x_m(0), own.y_m(0), own.x_m(own.nx - 1), own.y_m(own.ny - 1)};
+        const scene::Lattice again = pipeline::choose_lattice(config, {}, Eigen::Vector3d::Zero(), spacing_m, 0.0);
+        ASSERT_EQ(again.nx, own.nx) << x0_m << ", " << spacing_m;
+        ASSERT_EQ(again.ny, own.ny) << x0_m << ", " << spacing_m;
+      }
 }
 
 }  // namespace

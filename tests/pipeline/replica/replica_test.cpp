@@ -313,6 +313,17 @@ TEST(Replica, ThreeMfHoldsTheSameSolid) {
   EXPECT_TRUE(fs::exists(folder.path() / "relief.legibility.png"));
 }
 
+TEST(Replica, OfASceneThatIsNarrowerThanAPixelHasItsPictureToo) {
+  const sparsha::test::TestFolder folder;
+  ReplicaOptions options;
+  options.longest_mm = 20.0;
+  for (const auto& [nx, ny] : {std::pair{200, 2}, std::pair{2, 200}, std::pair{2, 2}}) {
+    static_cast<void>(save(*scene_of(nx, ny, 0.001, bumps), folder.path() / "strip.stl", options));
+    EXPECT_TRUE(fs::exists(folder.path() / "strip.legibility.png")) << nx << " x " << ny;
+    fs::remove(folder.path() / "strip.legibility.png");
+  }
+}
+
 TEST(Replica, SaysWhatFingersWouldNotFindOrWouldRunTogether) {
   const sparsha::test::TestFolder folder;
   const auto report_of = [&](const std::function<double(double, double)>& ground, double depth_mm) {

@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "base/error.h"
@@ -172,6 +173,63 @@ TEST(Haply, AnEmergencyBrakeIsZeroForceWithinATickAndOnlyAFreshApproachGoesOn) {
   // And for 50 ms in the air after the release.
   expect_zero_between(at("ebrake_triggered"), log, at("ebrake_released")->time_s + 0.04);
   EXPECT_EQ(emulated.service->unsafe_commands(), 0U);
+}
+
+TEST(Haply, WithoutWordOfItsBrakeAServiceThatToldOfItGetsNoForce) {
+  emulator::HaplyOptions options = soon();
+  options.loses_events = true;
+  options.fault_after_s = 0.6;
+  options.fault_s = 2.5;
+  Service emulated(options);
+  const auto device = make_haply_device(emulated.client);
+  const Running run(*device);
+  ASSERT_TRUE(says(*device, "device_no_events"));
+  EXPECT_TRUE(run.servo.unplugged());
+  const std::size_t told = emulated.log().size();
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const auto log = emulated.log();
+  EXPECT_TRUE(std::none_of(log.begin() + static_cast<std::ptrdiff_t>(told), log.end(),
+                           [](const emulator::HaplyMessage& message) { return asked_n(message) > 0.0; }));
+  ASSERT_TRUE(eventually([&] { return !run.servo.unplugged() && (run.state.read().flags & kFlagArmed) != 0; }));
+}
+
+TEST(Haply, OnlyWatchingCommandsAndSetsNothing) {
+  Service emulated;
+  emulated.client.watch_only = true;
+  {
+    const auto device = make_haply_device(emulated.client);
+    EXPECT_EQ(device->info().limits.max_force_n, 0.0);
+    for (int tick = 0; tick < 20; ++tick) {
+      device->wait(0.001);
+      const DeviceSample sample = device->read(0.001 * tick, 0.001);
+      EXPECT_TRUE(sample.connected && sample.fresh);
+      device->write({0.0, 0.0, 1.0});
+    }
+  }
+  ::setenv("SPARSHA_HAPLY_PORT", std::to_string(emulated.client.port).c_str(), 1);
+  ::setenv("SPARSHA_HAPLY_EVENTS_PORT", std::to_string(emulated.client.events_port).c_str(), 1);
+  const auto found = haply_kind().find(DeviceRequest{});
+  ::unsetenv("SPARSHA_HAPLY_PORT");
+  ::unsetenv("SPARSHA_HAPLY_EVENTS_PORT");
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_TRUE(found[0].available);
+  for (const emulator::HaplyMessage& message : emulated.log()) {
+    if (message.to_client) continue;
+    EXPECT_THAT(message.text, HasSubstr("probe_position"));
+    EXPECT_EQ(message.text.find("force"), std::string::npos) << message.text;
+    EXPECT_EQ(message.text.find("configure"), std::string::npos) << message.text;
+  }
+}
+
+TEST(Haply, WithoutTheDampingThatItIsAskedForItsLimitsAreThoseOfLess) {
+  emulator::HaplyOptions options;
+  options.damps = false;
+  Service emulated(options);
+  const auto device = make_haply_device(emulated.client);
+  EXPECT_LT(device->info().limits.least_damping_n_s_per_m, 0.5 * haply_info().limits.least_damping_n_s_per_m);
+  EXPECT_THAT(device->info().warning, HasSubstr("damping"));
+  const Running run(*device);
+  EXPECT_TRUE(eventually([&] { return emulated.service->strongest_n() > 0.1; }));
 }
 
 TEST(Haply, ADeviceThatLeavesAndComesBackIsFeltAgain) {

@@ -115,9 +115,33 @@ TEST_F(Plugin, OneThatCannotBeUsedSaysWhy) {
   EXPECT_THAT(refusal("no-table"), HasSubstr("sparsha_device_plugin_entry"));
   EXPECT_THAT(refusal("no-zero"), HasSubstr("a function of its table is missing"));
   EXPECT_THAT(refusal("no-info"), HasSubstr("info() fails"));
+  EXPECT_THAT(refusal("odd-rate"), HasSubstr("its rate of 50 Hz"));
   EXPECT_THAT(refusal("crashes-at-open"), HasSubstr("crashed while it was opened (signal 6)"));
   EXPECT_THROW(static_cast<void>(make_plugin_device("no-such.so")), Error);
   EXPECT_THROW(static_cast<void>(make_plugin_device(__FILE__)), Error) << "no library";
+}
+
+TEST_F(Plugin, ItsWordsAreTextAndWhatItPrintsIsNoOutputOfTheProgram) {
+  EXPECT_EQ(faulty("odd-name")->info().name, "no\\xff name\\u000aerror: at all");
+  ::testing::internal::CaptureStdout();
+  {
+    const auto device = faulty("prints");
+    const Running run(*device);
+    EXPECT_TRUE(eventually([&] { return motor_->reads.load() > 50; }));
+  }
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
+}
+
+TEST_F(Plugin, ForcesThatItDoesNotTakeEndAndAreTold) {
+  const auto device = faulty("refuses-forces");
+  Running run(*device);
+  ASSERT_TRUE(eventually([&] { return device->advice() != nullptr; }));
+  EXPECT_STREQ(device->advice()->phrase, "plugin_refuses");
+  EXPECT_TRUE(eventually([&] { return (run.state.read().flags & kFlagHomed) == 0; }));
+  // Nothing is asked for while it is told.
+  const std::uint64_t refused = motor_->faults.load();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_LE(motor_->faults.load(), refused + 2);
 }
 
 TEST_F(Plugin, ACrashEndsInAMotorThatIsOffAndInWords) {

@@ -65,12 +65,12 @@ int open_device(char* problem, std::uint32_t size) {
 }
 
 int describe(sparsha_device_info* info) {
-  std::snprintf(info->name, sizeof info->name, "faulty");
+  std::snprintf(info->name, sizeof info->name, "%s", fault() == "odd-name" ? "no\xFF name\nerror: at all" : "faulty");
   info->workspace_width_m = fault() == "no-workspace" ? std::numeric_limits<double>::quiet_NaN() : 0.1;
   info->max_force_n = 4.0;
   info->least_damping_n_s_per_m = 2.0;
   info->slew_n_per_s = 1500.0;
-  info->rate_hz = fault() == "wrong-rate" ? 4000.0 : 1000.0;
+  info->rate_hz = fault() == "wrong-rate" ? 4000.0 : fault() == "odd-rate" ? 50.0 : 1000.0;
   info->fastest_m_per_s = 5.0;
   info->delay_ticks = 1;
   info->encoder_step_um = 150;
@@ -85,6 +85,10 @@ int read_device(sparsha_device_sample* sample) {
     if (fault() == "hangs") sleep_s(60.0);
     if (fault() == "fails") return 1;
     if (fault() == "ends") std::_Exit(0);
+  }
+  if (fault() == "prints") {
+    std::printf("a banner\n");
+    std::fflush(stdout);
   }
   const double time_s = now_s();
   // A third of a second in the air, then slowly 2 mm into the plane.
@@ -105,6 +109,10 @@ int write_device(const double force_n[3]) {
   motor->micronewtons.store(size);
   if (size > motor->strongest.load()) motor->strongest.store(size);
   if (size > 300'000 && fault() == "crashes-in-write") std::abort();
+  if (size > 0 && fault() == "refuses-forces") {
+    motor->faults.fetch_add(1);
+    return 1;
+  }
   return 0;
 }
 

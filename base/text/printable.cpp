@@ -1,4 +1,4 @@
-#include "app/terminal/printable.h"
+#include "base/text/printable.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 #include "base/text/utf8.h"
 
-namespace sparsha::app {
+namespace sparsha {
 namespace {
 
 bool is_control(std::uint32_t code) {
@@ -37,4 +37,4 @@ std::string printable(std::string_view text, bool lines) {
   return shown;
 }
 
-}  // namespace sparsha::app
+}  // namespace sparsha
