@@ -1,5 +1,6 @@
 #include "haptics/device/haply/connection.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -11,6 +12,7 @@ using Kind = ConnectProblem::Kind;
 
 constexpr double kGreeting_s = 1.0;
 constexpr double kReadBack_s = 0.5;
+constexpr double kAsksAgain_s = 0.1;  // without an answer
 constexpr int kReadBackMessages = 8;
 
 constexpr DeviceAdvice kNoService{"device_no_service", true};
@@ -64,8 +66,11 @@ bool read_back(Connection& connection, ConnectProblem& problem) {
   const Steady::time_point began = Steady::now();
   for (int message = 0; message < kReadBackMessages && since(began) < kReadBack_s; ++message) {
     std::string_view answer;
-    const auto status = connection.states->receive(answer, kReadBack_s - since(began));
-    if (status == WebSocket::Status::nothing) break;
+    const auto status = connection.states->receive(answer, std::min(kAsksAgain_s, kReadBack_s - since(began)));
+    if (status == WebSocket::Status::nothing) {
+      if (!send(write_full_state_request(text, connection.id.view(), connection.force_key))) return false;
+      continue;
+    }
     ServiceState state;
     if (status == WebSocket::Status::closed) return false;
     if (status != WebSocket::Status::ok || !read_state(answer, connection.id.view(), state)) {

@@ -338,7 +338,7 @@ TEST(Haply, AnOlderServiceIsTouchedWithTheWordsItKnowsAndTheMissingEventsAreSaid
   EXPECT_TRUE(eventually([&] { return emulated.service->strongest_n() > 0.3; }));
 }
 
-TEST(Haply, SplitAndMergedMessagesAreFeltLikeOthers) {
+TEST(Haply, SplitMessagesAreFeltLikeOthersAndAnswersThatWaitForTheNextAreReadWithoutForce) {
   for (const bool split : {true, false}) {
     emulator::HaplyOptions options;
     options.split = split;
@@ -353,6 +353,9 @@ TEST(Haply, SplitAndMergedMessagesAreFeltLikeOthers) {
       const Running run(*device);
       EXPECT_TRUE(eventually([&] { return emulated.service->commands() > 300; })) << "asked again where none came";
       EXPECT_FALSE(run.servo.unplugged());
+      EXPECT_EQ(device->advice() == nullptr ? "" : std::string(device->advice()->phrase), "device_lift")
+          << "it is set up";
+      EXPECT_EQ(emulated.service->strongest_n(), 0.0) << "a place comes with the next question, and is late";
     }
   }
 }
