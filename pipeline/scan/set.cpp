@@ -1,6 +1,7 @@
 // Units, poses, the common origin, and the one rounding of every point.
 #include "pipeline/scan/set.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
@@ -231,6 +232,20 @@ struct ScanSet::Scan {
     return metres;
   }
   static std::unique_ptr<Scan> look_at(const scene::ScanConfig& config, const std::vector<std::string>& fields,
+  /// By the configuration, against or without the format's.
+  [[nodiscard]] bool has_chosen_unit(const scene::ScanConfig& config) const {
+    const scene::LengthUnit unit = config.units.unit;
+    return unit != scene::LengthUnit::automatic && unit != scene::LengthUnit::longest_side && unit != raw.unit;
+  }
+  /// The farthest coordinate, outliers aside, file units.
+  [[nodiscard]] double away() const {
+    const std::vector<Eigen::Vector3d> points = looked.sample.points();
+    double farthest = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double rank : {0.01, 0.99}) farthest = std::max(farthest, std::abs(quantile(points, axis, rank)));
+    }
+    return farthest;
+  }
                                        bool streamed, Progress& progress, const MeshRefusal& mesh_refusal = {},
                                        const ScanPart& part = {}) {
     auto scan = std::make_unique<Scan>();
@@ -345,6 +360,10 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
       const bool has_unit = scan.raw.unit || config.units.unit != scene::LengthUnit::automatic;
       sizes.emplace_back(config.file.string(), placed.points(), scan.valid, has_unit);
     }
+      if (scan.has_chosen_unit(config)) {
+        const double away_m = scan.away() * metres_in_unit(config, scan.raw.unit);
+        nearest_of_chosen_unit_m_ = std::min(nearest_of_chosen_unit_m_.value_or(away_m), away_m);
+      }
     if (empty && points_ == 0) throw *empty;
     for (const UnitDifference& difference : differing_units(sizes)) progress.warn(difference.reason);
   } catch (...) {

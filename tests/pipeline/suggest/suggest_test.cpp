@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/files/files.h"
 #include "pipeline/build/build.h"
+#include "pipeline/scan/inspect.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/suggest/group.h"
 #include "pipeline/suggest/suggest.h"
@@ -243,6 +244,23 @@ TEST_F(Suggested, ADetailHasTheUnitOfTheScanThatShowsTheWhole) {
   // Alone it is taken for metres, as anything of 44.
   Progress progress;
   EXPECT_EQ(suggest_config({files[0]}, {}, progress).config.scans[0].units.unit, scene::LengthUnit::m);
+}
+
+TEST_F(Suggested, MillimetresFarFromZeroAreDoubtedAlikeByInfoNewAndBuild) {
+  Points plaque = relief(20000, 0.0);
+  for (Eigen::Vector3d& p : plaque) p = 150.0 * p + Eigen::Vector3d(12500, 23400, 1000);
+  const fs::path file = write(plaque, "plaque.xyz");
+  const std::string reason = "m long in metres, ";
+  EXPECT_NE(::testing::PrintToString(inspect_scan(file).warnings).find(reason), std::string::npos);
+  Progress progress;
+  const Suggestion suggestion = suggest_config({file}, {}, progress);
+  EXPECT_EQ(suggestion.config.scans[0].units.unit, scene::LengthUnit::mm);
+  EXPECT_NE(suggestion.yaml.find(reason), std::string::npos) << suggestion.yaml;
+  scene::ScanConfig config;
+  config.file = file;
+  Progress of_build;
+  (void)load_scan(config, of_build);
+  EXPECT_NE(::testing::PrintToString(of_build.warnings()).find(reason), std::string::npos);
 }
 
 TEST_F(Suggested, ACloudWithoutASurfaceIsSaidToFailTheCheckOnScreenAndInTheFile) {
