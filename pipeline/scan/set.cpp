@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/files/files.h"
+#include "base/threads/background.h"
 #include "pipeline/scan/doubts.h"
 #include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/empty_scan.h"
@@ -328,8 +329,8 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
     for (const scene::ScanConfig& config : scans) {
       progress.throw_if_cancelled();
       if (digests) {
-        digests_.push_back(std::async(
-            std::launch::async, [file = config.file, abandoned = abandoned_] { return digest_of(file, *abandoned); }));
+        digests_.push_back(
+            in_background([file = config.file, abandoned = abandoned_] { return digest_of(file, *abandoned); }));
       }
       const bool streamed = keep == Keep::disk || is_quick_to_stream(config.file);
       try {
