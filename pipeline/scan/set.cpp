@@ -232,7 +232,6 @@ struct ScanSet::Scan {
     }
     return metres;
   }
-  static std::unique_ptr<Scan> look_at(const scene::ScanConfig& config, const std::vector<std::string>& fields,
   /// By the configuration, against or without the format's.
   [[nodiscard]] bool has_chosen_unit(const scene::ScanConfig& config) const {
     const scene::LengthUnit unit = config.units.unit;
@@ -247,6 +246,7 @@ struct ScanSet::Scan {
     }
     return farthest;
   }
+  static std::unique_ptr<Scan> look_at(const scene::ScanConfig& config, const std::vector<std::string>& fields,
                                        bool streamed, Progress& progress, const MeshRefusal& mesh_refusal = {},
                                        const ScanPart& part = {}) {
     auto scan = std::make_unique<Scan>();
@@ -360,11 +360,11 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
       placed.merge(scan.looked.sample, scan.placement);
       const bool has_unit = scan.raw.unit || config.units.unit != scene::LengthUnit::automatic;
       sizes.emplace_back(config.file.string(), placed.points(), scan.valid, has_unit);
-    }
       if (scan.has_chosen_unit(config)) {
         const double away_m = scan.away() * metres_in_unit(config, scan.raw.unit);
         nearest_of_chosen_unit_m_ = std::min(nearest_of_chosen_unit_m_.value_or(away_m), away_m);
       }
+    }
     if (empty && points_ == 0) throw *empty;
     for (const UnitDifference& difference : differing_units(sizes)) progress.warn(difference.reason);
   } catch (...) {
@@ -376,7 +376,13 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
   if (apart_together(scans.size(), sample_m_)) pieces_.insert(pieces_.end(), apart.begin(), apart.end());
 }
 
-void ScanSet::require_surface() const { pipeline::require_surface(configs_.front().file.string(), sample_m_, points_); }
+void ScanSet::require_surface() const {
+  std::vector<std::string> files;
+  for (std::size_t s = 0; s < scans_.size(); ++s) {
+    if (scans_[s]->valid > 0) files.push_back(configs_[s].file.string());
+  }
+  pipeline::require_surface(names_together(files), sample_m_, points_);
+}
 
 ScanSet::~ScanSet() { *abandoned_ = true; }
 

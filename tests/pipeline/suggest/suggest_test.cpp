@@ -311,6 +311,32 @@ TEST_F(Suggested, PointsOnALineOrInOnePlaceAreAnError) {
   }
 }
 
+TEST_F(Suggested, AnErrorOfSeveralScansNamesTheOneAtFaultOrAllOfThem) {
+  const auto error_of = [](const std::vector<fs::path>& files) {
+    Progress progress;
+    try {
+      (void)suggest_config(files, {}, progress);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  Points far = relief(3000, 0.0);
+  for (Eigen::Vector3d& p : far) p += Eigen::Vector3d(3e9, 0, 0);
+  const std::string spread = error_of({write(relief(3000, 0.0), "near.xyz"), write(far, "far.xyz")});
+  EXPECT_NE(spread.find("far.xyz: "), std::string::npos) << spread;
+  EXPECT_EQ(spread.find("near.xyz"), std::string::npos) << spread;
+  std::vector<fs::path> lines;
+  for (int part = 0; part < 4; ++part) {
+    Points line;
+    for (int k = 0; k < 300; ++k) line.emplace_back(Eigen::Vector3d(0.01, 0.007, 0.001) * (300 * part + k));
+    lines.push_back(write(line, "line" + std::to_string(part) + ".xyz"));
+  }
+  const std::string straight = error_of(lines);
+  EXPECT_NE(straight.find("line0.xyz, "), std::string::npos) << straight;
+  EXPECT_NE(straight.find("line2.xyz and 1 more: "), std::string::npos) << straight;
+}
+
 TEST_F(Suggested, AGridOfHeightsGivesItsOwnHeightsAndKeepsItsHole) {
   constexpr int kColumns = 61, kRows = 47;
   const auto is_hole = [](int i, int j) { return i >= 20 && i < 28 && j >= 20 && j < 30; };
