@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "app/command_line.h"
@@ -36,6 +37,13 @@ int deliver(const sparsha::app::Run& run) {
     return static_cast<int>(error.kind());
   } catch (const std::bad_alloc&) {
     print_error("error: out of memory; a smaller input, a coarser grid or --memory");
+    return 1;
+  } catch (const std::system_error& error) {
+    const bool threads = error.code() == std::errc::resource_unavailable_try_again;
+    print_error(std::string(threads
+                                ? "error: the system starts no thread that is needed (too many run, or 'ulimit -u'): "
+                                : "error: the system refuses what is needed: ") +
+                error.what());
     return 1;
   } catch (const std::exception& error) {
     print_error(std::string("error: ") + error.what());

@@ -10,8 +10,9 @@ folder of the machine that built it. Only $ORIGIN, the program's own folder, and
 
 --hardened: programs and libraries are also position-independent, with all symbols bound at start and their tables
 read-only afterwards (full RELRO), and objects (.o) are marked for control-flow enforcement (IBT, SHSTK).
---commands: the compiler's commands (compile_commands.json). Each has _FORTIFY_SOURCE=2, with the optimisation that makes
-it more than a word, and a program named sparsha calls at least one of the C library's checked functions.
+--commands: the compiler's commands (compile_commands.json). Each has -fstack-protector-strong, and _FORTIFY_SOURCE=2 with
+the optimisation that makes it more than a word, and a program named sparsha calls at least one of the C library's checked
+functions.
 --with: a file of this name must be among those that are read.
 """
 import argparse
@@ -63,6 +64,9 @@ def faults_of_commands(file):
     for entry in json.loads(file.read_text(encoding="utf-8")):
         words = entry.get("arguments") or shlex.split(entry["command"])
         fortified = [word for word in words if re.match(r"-[DU]_FORTIFY_SOURCE", word)]
+        stack = [word for word in words if re.match(r"-f(no-)?stack-protector", word)]
+        if not stack or stack[-1] not in ("-fstack-protector-strong", "-fstack-protector-all"):
+            yield f"{entry['file']}: its stack is not guarded (-fstack-protector-strong)"
         optimised = [word for word in words if re.match(r"-O", word)]
         if not fortified or fortified[-1] != "-D_FORTIFY_SOURCE=2":
             yield f"{entry['file']}: it is not compiled with _FORTIFY_SOURCE=2"

@@ -6,6 +6,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -58,7 +59,11 @@ struct ThreadPool::Implementation {
 
 ThreadPool::ThreadPool(unsigned threads) : implementation_(std::make_unique<Implementation>()) {
   if (threads == 0) threads = std::max(1U, std::thread::hardware_concurrency());
-  for (unsigned i = 1; i < threads; ++i) implementation_->workers.emplace_back([this] { implementation_->work(); });
+  try {
+    for (unsigned i = 1; i < threads; ++i) implementation_->workers.emplace_back([this] { implementation_->work(); });
+  } catch (const std::system_error&) {
+    // The system has no more threads to give: results do not depend on their number.
+  }
 }
 
 ThreadPool::~ThreadPool() {

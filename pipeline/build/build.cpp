@@ -32,6 +32,7 @@
 #include "pipeline/projection/projection.h"
 #include "pipeline/register/register.h"
 #include "pipeline/scan/repeated.h"
+#include "pipeline/scan/units.h"
 #include "scene/area/regions.h"
 #include "scene/folder/folder.h"
 
@@ -63,12 +64,15 @@ void count_nodes(const scene::DepthGrid& grid, Report& report, scene::SceneDescr
   }
 }
 
-void warn_of_size(const scene::Lattice& lattice, Progress& progress) {
+// Units of the formats are trusted, and where there is none the scan is doubted when it is read. `away_m`: see
+// ScanSet::nearest_of_chosen_unit_m().
+void warn_of_size(const scene::Lattice& lattice, std::optional<double> away_m, Progress& progress) {
   constexpr double kSmall_m = 0.005;  // smaller and larger objects are rare in a heritage lab
   constexpr double kLarge_m = 200.0;
   const double longest = lattice.spacing_m * (std::max(lattice.nx, lattice.ny) - 1);
-  if (longest >= kSmall_m && longest <= kLarge_m) return;
-  progress.warn(fmt::format("the object is {:.3g} m long; check 'units' of its scans{}", longest,
+  const bool plausible = longest >= kSmall_m && longest <= kLarge_m;
+  if (!away_m || plausible || (longest > kLarge_m && !may_be_local(longest, *away_m))) return;
+  progress.warn(fmt::format("the object is {} long; check 'units' of its scans{}", length_text(longest),
                             longest > kLarge_m ? " (millimetres read as metres?)" : " (metres read as millimetres?)"));
 }
 
@@ -341,7 +345,7 @@ BuildResult build_scene(const scene::Config& given, const BuildOptions& options,
     scene.region_from_grid = *config.orientation.regions_scan_to_grid * scene.scan_from_grid;
   }
   scene.noise_m = projection.noise_m;
-  warn_of_size(projection.grid.lattice, progress);
+  warn_of_size(projection.grid.lattice, scans.nearest_of_chosen_unit_m, progress);
 
   if (scans.charts) {
     report.around = around_of(*scans.charts, scans.check_charts, progress);

@@ -127,6 +127,7 @@ class Builder {
     }
     count_unread(scans.unread());
     if (result_.sources.empty()) result_.sources = scans.sources();
+    result_.nearest_of_chosen_unit_m = scans.nearest_of_chosen_unit_m();
     result_.scan_to_grid = unrolled_ ? unrolled_->scan_to_grid : scan_to_grid_;
     return std::move(result_);
   }

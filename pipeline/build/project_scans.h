@@ -24,7 +24,8 @@ struct ProjectedScans {
   std::vector<scene::ScanSource> sources;
   Eigen::Matrix4d scan_to_grid = Eigen::Matrix4d::Identity();  ///< the configuration's, or what `face` has found
   std::string orientation;                                     ///< what `face` has found, in words; else empty
-  std::optional<scene::UnrollConfig> unroll;  ///< with what was found; then the grid's frame is the unrolled one
+  std::optional<scene::UnrollConfig> unroll;       ///< with what was found; then the grid's frame is the unrolled one
+  std::optional<double> nearest_of_chosen_unit_m;  ///< see ScanSet
   Report::Points points;
   std::uint64_t triangles = 0;  ///< of meshes among the scans, after the filters
   std::vector<Report::Filter> filters;

@@ -8,6 +8,8 @@
 #include <future>
 #include <span>
 
+#include "base/threads/background.h"
+
 namespace sparsha::pipeline {
 
 std::uint32_t PointRecords::rgba(std::size_t k) const { return std::bit_cast<std::uint32_t>(xyz(k)[3]); }
@@ -65,7 +67,7 @@ void PointFile::read(std::size_t bucket, std::size_t piece, const std::function<
     const std::size_t number = block / blocks_at_once;
     const PointRecords records = next.valid() ? next.get() : load(block, words[number % 2]);
     if (const std::size_t after = block + blocks_at_once; after < b.blocks.size()) {
-      next = std::async(std::launch::async, load, after, std::ref(words[(number + 1) % 2]));
+      next = in_background([&load, after, &to = words[(number + 1) % 2]] { return load(after, to); });
     }
     use(records);
   }

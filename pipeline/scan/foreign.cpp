@@ -110,6 +110,12 @@ constexpr Kind kKinds[] = {
         "GeoJSON", kExportPoints),
     tested([](const ScanFile& f) { return is_object_of_json(f.bytes, {"CityJSON"}); }, "a CityJSON model", kExportMesh),
     tested([](const ScanFile& f) { return is_json(f.bytes); }, "text in JSON, but no scan", kKnownFormats),
+    tested([](const ScanFile& f) { return is_sparsha_config(f.bytes) && has_line(f.bytes, "scene:"); },
+           "the description of a Sparsha scene (scene.yaml)", "give the folder that it lies in, or the scans"),
+    tested([](const ScanFile& f) { return is_sparsha_config(f.bytes); }, "a Sparsha configuration, which names scans",
+           "build it ('sparsha build CONFIG.yaml'; its name must end with .yaml), or give the scans that it names"),
+    tested([](const ScanFile& f) { return is_markdown_table(f.bytes); }, "a table in Markdown",
+           "save it as CSV text: commas in place of the bars, without the line of dashes"),
     // Models and meshes.
     text("# vtk datafile", "a legacy VTK file", "export it from ParaView as PLY or STL, or its points as CSV"),
     text("#vrml", "a VRML scene", kExportMesh),
@@ -126,6 +132,9 @@ constexpr Kind kKinds[] = {
     text("autocad binary dxf", "a binary DXF drawing", kExportMesh),
     tested([](const ScanFile& f) { return f.bytes.starts_with("AC10") && looks_binary(f.bytes); }, "a DWG drawing",
            kExportMesh),
+    tested([](const ScanFile& f) { return is_element_list(f.bytes); },
+           "a list of triangles or tetrahedra of Triangle or TetGen (.ele), which has numbers of points and no places",
+           "save the mesh as PLY, OBJ, OFF or STL"),
     tested([](const ScanFile& f) { return is_node_list(f.bytes); },
            "a list of nodes of Triangle or TetGen (.node), whose first line is no point",
            "take the first line away, name the file .xyz, and give 'columns: [skip, x, y, z]' in the configuration"),
@@ -169,6 +178,11 @@ constexpr Kind kKinds[] = {
           return lower_case(f.bytes.substr(0, 3)) == "ply" && contains(f.bytes.substr(0, 8192), "packed_position");
         },
         "Gaussian splats in packed form", kSplatRemedy),
+    tested(
+        [](const ScanFile& f) {
+          return lower_case(f.bytes.substr(0, 3)) == "ply" && contains(f.bytes.substr(0, 8192), "element codebook");
+        },
+        "Gaussian splats whose values stand in codebooks", kSplatRemedy),
     tested([](const ScanFile& f) { return f.extension == "ksplat" && looks_binary(f.bytes); },
            "Gaussian splats (.ksplat)", kSplatRemedy),
     tested([](const ScanFile& f) { return zip_holds(f, "meta.json") && zip_holds(f, "means"); },

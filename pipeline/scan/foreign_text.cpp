@@ -98,6 +98,36 @@ bool is_node_list(std::string_view text) {
   return rows == (*counts)[0];
 }
 
+bool is_element_list(std::string_view text) {
+  constexpr std::int64_t kMostRows = 1000, kMostAttributes = 64;
+  LineReader lines(text);
+  std::string_view line;
+  if (!next_content(lines, line)) return false;
+  const auto counts = whole_numbers(line, 3);
+  if (!counts || counts->size() < 2 || (*counts)[0] < 1) return false;
+  const std::int64_t corners = (*counts)[1], attributes = counts->size() > 2 ? (*counts)[2] : 0;
+  if (corners != 3 && corners != 4 && corners != 6 && corners != 10) return false;
+  if (attributes < 0 || attributes > kMostAttributes) return false;
+  const auto values = static_cast<std::size_t>(1 + corners);
+  std::int64_t first = 0, rows = 0;
+  for (; rows < kMostRows && next_content(lines, line); ++rows) {
+    std::string_view rest = line;
+    std::vector<std::int64_t> numbers;
+    while (numbers.size() < values) {
+      const std::string_view word = take_word(rest);
+      const auto number = word.empty() ? std::nullopt : whole_numbers(word, 1);
+      if (!number || number->front() < 0) return false;
+      numbers.push_back(number->front());
+    }
+    if (rows == 0) first = numbers.front();
+    if (first > 1 || numbers.front() != first + rows) return false;
+    // No corner is there twice, as coordinates are.
+    std::sort(numbers.begin() + 1, numbers.end());
+    if (std::adjacent_find(numbers.begin() + 1, numbers.end()) != numbers.end()) return false;
+  }
+  return rows == std::min(kMostRows, (*counts)[0]);
+}
+
 bool is_colmap_images(std::string_view text) {
   if (text.starts_with("# Image list with two lines of data per image")) return true;
   LineReader lines(text);
@@ -141,6 +171,50 @@ bool is_3ds(std::string_view bytes) {
   if (bytes.size() < 2 * kHeader || !bytes.starts_with("MM")) return false;
   const auto next = load<std::uint16_t>(bytes.data() + kHeader);
   return load<std::uint32_t>(bytes.data() + 2) == bytes.size() && (next == 0x0002 || next == 0x3D3D);
+}
+
+bool has_line(std::string_view text, std::string_view begin) {
+  text = text.substr(0, 1 << 16);
+  for (std::size_t at = text.find(begin); at != std::string_view::npos; at = text.find(begin, at + 1)) {
+    if (at == 0 || text[at - 1] == '\n' || text[at - 1] == '\r') return true;
+  }
+  return false;
+}
+
+bool is_sparsha_config(std::string_view text) {
+  LineReader lines(text.substr(0, 1 << 16));
+  std::string_view line;
+  bool scans = false;
+  for (bool first = true; lines.next(line); first = false) {
+    while (line.empty() || line.front() == '#' || line == "---") {
+      if (!lines.next(line)) return scans;
+    }
+    const std::size_t colon = line.find(':');
+    const bool is_key = colon != std::string_view::npos && colon > 0 && line.front() >= 'a' && line.front() <= 'z' &&
+                        line.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == colon;
+    if (first && !is_key) return false;
+    if (!is_key || line.substr(0, colon) != "scans") continue;
+    const std::string_view rest = trimmed(line.substr(colon + 1));
+    scans = rest.empty() || rest.front() == '[' || rest.front() == '#';
+    if (scans) return true;
+  }
+  return scans;
+}
+
+bool is_markdown_table(std::string_view text) {
+  constexpr int kLooked = 200;
+  LineReader lines(text.substr(0, 1 << 16));
+  std::string_view line;
+  bool bars = false;  // the line before begins and ends with one
+  for (int n = 0; n < kLooked && lines.next(line); ++n) {
+    line = trimmed(line);
+    const bool framed = line.size() > 2 && line.front() == '|' && line.back() == '|';
+    const bool rule = framed && line.find_first_not_of("|-: \t") == std::string_view::npos &&
+                      line.find("--") != std::string_view::npos;
+    if (rule && bars) return true;
+    bars = framed;
+  }
+  return false;
 }
 
 bool is_json(std::string_view text) {

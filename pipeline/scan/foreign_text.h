@@ -16,6 +16,15 @@ namespace sparsha::pipeline {
 /// A line with the number of points and 2 or 3, then as many rows that begin with their number: Triangle's and TetGen's
 /// .node.
 [[nodiscard]] bool is_node_list(std::string_view text);
+/// A line with the number of rows and of corners, then rows of their number and as many numbers of points, each once:
+/// Triangle's and TetGen's .ele.
+[[nodiscard]] bool is_element_list(std::string_view text);
+/// Lines of keys, one of them `scans`.
+[[nodiscard]] bool is_sparsha_config(std::string_view text);
+/// Whether one of its lines begins with that.
+[[nodiscard]] bool has_line(std::string_view text, std::string_view begin);
+/// A line between bars above one of bars and dashes.
+[[nodiscard]] bool is_markdown_table(std::string_view text);
 /// Two lines a picture, the first with a number, a unit quaternion, three numbers, a number and a name: COLMAP's
 /// images.txt.
 [[nodiscard]] bool is_colmap_images(std::string_view text);

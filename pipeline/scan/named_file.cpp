@@ -9,8 +9,22 @@
 namespace sparsha::pipeline {
 namespace fs = std::filesystem;
 
+namespace {
+
+constexpr std::size_t kShown = 3;
+
+std::string first_of(const std::vector<std::string>& names, const char* separator) {
+  std::string text;
+  for (std::size_t k = 0; k < std::min(names.size(), kShown); ++k) text += (k > 0 ? separator : "") + names[k];
+  if (names.size() > kShown) text += " and " + std::to_string(names.size() - kShown) + " more";
+  return text;
+}
+
+}  // namespace
+
+std::string names_together(const std::vector<std::string>& files) { return first_of(files, ", "); }
+
 std::string scans_in(const fs::path& folder) {
-  constexpr std::size_t kShown = 3;
   constexpr std::size_t kMost = 10'000;
   std::vector<std::string> names;
   std::error_code code;
@@ -19,10 +33,7 @@ std::string scans_in(const fs::path& folder) {
     if (std::error_code none; entry->is_regular_file(none) && has_ending_of_scan(entry->path()))
       names.push_back(entry->path().string());
   std::sort(names.begin(), names.end());
-  std::string text;
-  for (std::size_t k = 0; k < std::min(names.size(), kShown); ++k) text += (k > 0 ? " " : "") + names[k];
-  if (names.size() > kShown) text += " and " + std::to_string(names.size() - kShown) + " more";
-  return text;
+  return first_of(names, " ");
 }
 
 void require_file_name(const fs::path& file) {

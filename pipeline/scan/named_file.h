@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace sparsha::pipeline {
 
@@ -16,5 +17,8 @@ void require_file_name(const std::filesystem::path& file);
 
 /// True for a file whose name has the ending of some format of scans; it need not be there.
 [[nodiscard]] bool has_ending_of_scan(const std::filesystem::path& file);
+
+/// Scans as an error names them that is about all of them together: the first three, and how many more.
+[[nodiscard]] std::string names_together(const std::vector<std::string>& files);
 
 }  // namespace sparsha::pipeline

@@ -1,6 +1,7 @@
 // Units, poses, the common origin, and the one rounding of every point.
 #include "pipeline/scan/set.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/files/files.h"
+#include "base/threads/background.h"
 #include "pipeline/scan/doubts.h"
 #include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/empty_scan.h"
@@ -230,6 +232,20 @@ struct ScanSet::Scan {
     }
     return metres;
   }
+  /// By the configuration, against or without the format's.
+  [[nodiscard]] bool has_chosen_unit(const scene::ScanConfig& config) const {
+    const scene::LengthUnit unit = config.units.unit;
+    return unit != scene::LengthUnit::automatic && unit != scene::LengthUnit::longest_side && unit != raw.unit;
+  }
+  /// The farthest coordinate, outliers aside, file units.
+  [[nodiscard]] double away() const {
+    const std::vector<Eigen::Vector3d> points = looked.sample.points();
+    double farthest = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double rank : {0.01, 0.99}) farthest = std::max(farthest, std::abs(quantile(points, axis, rank)));
+    }
+    return farthest;
+  }
   static std::unique_ptr<Scan> look_at(const scene::ScanConfig& config, const std::vector<std::string>& fields,
                                        bool streamed, Progress& progress, const MeshRefusal& mesh_refusal = {},
                                        const ScanPart& part = {}) {
@@ -313,8 +329,8 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
     for (const scene::ScanConfig& config : scans) {
       progress.throw_if_cancelled();
       if (digests) {
-        digests_.push_back(std::async(
-            std::launch::async, [file = config.file, abandoned = abandoned_] { return digest_of(file, *abandoned); }));
+        digests_.push_back(
+            in_background([file = config.file, abandoned = abandoned_] { return digest_of(file, *abandoned); }));
       }
       const bool streamed = keep == Keep::disk || is_quick_to_stream(config.file);
       try {
@@ -344,6 +360,10 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
       placed.merge(scan.looked.sample, scan.placement);
       const bool has_unit = scan.raw.unit || config.units.unit != scene::LengthUnit::automatic;
       sizes.emplace_back(config.file.string(), placed.points(), scan.valid, has_unit);
+      if (scan.has_chosen_unit(config)) {
+        const double away_m = scan.away() * metres_in_unit(config, scan.raw.unit);
+        nearest_of_chosen_unit_m_ = std::min(nearest_of_chosen_unit_m_.value_or(away_m), away_m);
+      }
     }
     if (empty && points_ == 0) throw *empty;
     for (const UnitDifference& difference : differing_units(sizes)) progress.warn(difference.reason);
@@ -356,7 +376,13 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
   if (apart_together(scans.size(), sample_m_)) pieces_.insert(pieces_.end(), apart.begin(), apart.end());
 }
 
-void ScanSet::require_surface() const { pipeline::require_surface(configs_.front().file.string(), sample_m_, points_); }
+void ScanSet::require_surface() const {
+  std::vector<std::string> files;
+  for (std::size_t s = 0; s < scans_.size(); ++s) {
+    if (scans_[s]->valid > 0) files.push_back(configs_[s].file.string());
+  }
+  pipeline::require_surface(names_together(files), sample_m_, points_);
+}
 
 ScanSet::~ScanSet() { *abandoned_ = true; }
 

@@ -72,6 +72,8 @@ class ScanSet {
   [[nodiscard]] const std::vector<FieldTally>& tallies_of(std::size_t scan) const;
   /// By the custom of any of the formats, see is_z_up().
   [[nodiscard]] bool z_up() const { return z_up_; }
+  /// Scans whose unit the configuration says and their format does not: how far the nearest of them lies from zero.
+  [[nodiscard]] std::optional<double> nearest_of_chosen_unit_m() const { return nearest_of_chosen_unit_m_; }
   /// What is to be said of scans in several pieces, unless something takes pieces away.
   [[nodiscard]] const std::vector<std::string>& pieces() const { return pieces_; }
   /// The median of the points in whole metres: a function of the set of points alone.
@@ -110,6 +112,7 @@ class ScanSet {
   std::size_t faces_ = 0;
   std::vector<std::string> pieces_;
   std::vector<Eigen::Vector3d> sample_m_;
+  std::optional<double> nearest_of_chosen_unit_m_;
   bool colour_ = false, intensity_ = false, z_up_ = false;
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
 };

@@ -206,21 +206,49 @@ bool looks_binary(std::string_view bytes) {
   return strange * 50 > head.size();
 }
 
+namespace {
+
+/// Whether CR alone ends lines as well as LF: parts of several systems' files were joined. By the beginning, as far as
+/// it is text.
+bool has_both_ends(std::string_view body) {
+  constexpr std::size_t kLooked = 1 << 16;
+  constexpr std::size_t kShare = 10;  // a few CR within lines are damage
+  const std::string_view head = body.substr(0, kLooked);
+  std::size_t alone = 0, feeds = 0;
+  for (std::size_t i = 0; i < head.size(); ++i) {
+    const char c = head[i];
+    if (static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\r' && c != '\t' && c != '\f' && c != '\v') break;
+    const auto is_end = [&](std::size_t k) { return k < head.size() && (head[k] == '\n' || head[k] == '\r'); };
+    if (c == '\n') ++feeds;
+    if (c == '\r' && !is_end(i + 1) && (i == 0 || !is_end(i - 1))) ++alone;
+  }
+  return alone > 0 && kShare * alone >= feeds;
+}
+
+}  // namespace
+
 LineReader::LineReader(std::string_view text, std::size_t offset, int lines_before)
     : text_(text), offset_(offset), number_(lines_before), end_('\n') {
   const std::string_view body = text.substr(offset);
-  if (body.find('\n') == std::string_view::npos && body.find('\r') != std::string_view::npos) end_ = '\r';
+  if (body.find('\n') == std::string_view::npos) {
+    if (body.find('\r') != std::string_view::npos) end_ = '\r';
+  } else if (has_both_ends(body)) {
+    end_ = kBoth;
+  }
+}
+
+std::size_t LineReader::length_of_line(std::string_view rest) const {
+  const std::size_t length = std::min(rest.find(end_ == kBoth ? '\r' : end_), rest.size());
+  return end_ == kBoth ? std::min(rest.substr(0, length).find('\n'), length) : length;
 }
 
 bool LineReader::next(std::string_view& line) {
   if (offset_ >= text_.size()) return false;
-  const char* const begin = text_.data() + offset_;
-  const std::size_t left = text_.size() - offset_;
-  const void* found = std::memchr(begin, end_, left);
-  const std::size_t length =
-      found != nullptr ? static_cast<std::size_t>(static_cast<const char*>(found) - begin) : left;
-  offset_ += found != nullptr ? length + 1 : length;
-  line = {begin, length};
+  const std::string_view rest = text_.substr(offset_);
+  const std::size_t length = length_of_line(rest);
+  line = rest.substr(0, length);
+  offset_ += std::min(length + 1, rest.size());
+  if (end_ == kBoth && rest.substr(length).starts_with("\r\n")) ++offset_;
   if (end_ == '\n') {  // "\r\n", and what conversions of conversions leave: "\r\r\n", "\n\r"
     while (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     while (!line.empty() && line.front() == '\r') line.remove_prefix(1);

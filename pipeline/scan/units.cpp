@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,9 +13,14 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr double kLargestObject_m = 60.0;     // beyond, an object that is not georeferenced is rather in mm
-constexpr double kGeoreferenced_m = 10000.0;  // nobody's local coordinates are so far from zero
+constexpr double kLargestObject_m = 60.0;  // beyond, an object that is not georeferenced is rather in mm
+constexpr double kLongestInMm = 60000.0;   // an object of more millimetres is as unlikely in these
 constexpr double kSmallestObject_m = 0.002;
+
+// Distances from zero, in file units.
+constexpr double kLocal = 10000.0;      // nobody's local coordinates in metres lie farther
+constexpr double kNational = 100000.0;  // the grids of most countries keep one axis beyond
+constexpr double kNoPlace = 1e8;        // beyond all grids on Earth, a zone's number before the easting included
 
 // Two units and how many of the smaller one are in the larger one.
 struct UnitPair {
@@ -25,6 +31,17 @@ struct UnitPair {
 constexpr std::array kUnitPairs = {UnitPair{1000.0, scene::LengthUnit::mm, scene::LengthUnit::m, false},
                                    UnitPair{100.0, scene::LengthUnit::cm, scene::LengthUnit::m, true},
                                    UnitPair{10.0, scene::LengthUnit::mm, scene::LengthUnit::cm, true}};
+
+// Whether an object that mm explain lies in a grid of the Earth, by two axes: a time in front of a place is far as
+// well.
+bool is_no_place(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+  const double side = (high - low).maxCoeff();
+  std::array<double, 3> away{};
+  for (int axis = 0; axis < 3; ++axis)
+    away[static_cast<std::size_t>(axis)] = std::max(std::abs(low[axis]), std::abs(high[axis]));
+  std::sort(away.begin(), away.end());
+  return away[2] > kNoPlace && away[1] > 0.1 * kNoPlace && side >= 1e3 * kSmallestObject_m && side < kLongestInMm;
+}
 
 double longest(const ScanSize& scan) { return (scan.high - scan.low).maxCoeff(); }
 
@@ -64,12 +81,22 @@ std::optional<UnitDifference> difference_of(const ScanSize& large, const ScanSiz
 
 }  // namespace
 
+bool may_be_local(double side, double away) {
+  return away < kLocal || away > kNoPlace || away < 4.0 * side || (away < kNational && away < 200.0 * side);
+}
+
 std::optional<UnitGuess> doubt_metres(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
   const double side = (high - low).maxCoeff();
   const double away = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff();
-  if (side > kLargestObject_m && away < kGeoreferenced_m) {
-    return UnitGuess{scene::LengthUnit::mm, fmt::format("it would be {} long in metres, {} in mm", length_text(side),
-                                                        length_text(side * 0.001))};
+  const bool no_place = is_no_place(low, high);
+  const bool in_mm = side > kLargestObject_m && (side < kLongestInMm || away < kLocal) && may_be_local(side, away);
+  if (no_place || in_mm) {
+    const auto from_zero = [&](double metres) {
+      return no_place ? " and " + length_text(away * metres) + " from zero" : std::string();
+    };
+    return UnitGuess{scene::LengthUnit::mm,
+                     fmt::format("it would be {} long{} in metres, {}{} in mm", length_text(side), from_zero(1.0),
+                                 length_text(side * 0.001), from_zero(0.001))};
   }
   if (side > 0.0 && side < kSmallestObject_m) {
     return UnitGuess{scene::LengthUnit::m, fmt::format("it would be only {} long in metres", length_text(side))};

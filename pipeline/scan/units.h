@@ -15,6 +15,10 @@
 
 namespace sparsha::pipeline {
 
+/// Whether metres at that distance from zero can be those of an object so long, in a frame of its own. A georeferenced
+/// site lies at thousands of its own lengths, and nothing on Earth at 1e8.
+[[nodiscard]] bool may_be_local(double side, double away);
+
 /// A unit that fits better than metres, and why; nothing when metres are plausible. `low` and `high` bound the scan
 /// without its outliers, in file units.
 struct UnitGuess {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "base/error.h"
 #include "base/files/paths.h"
@@ -16,6 +17,7 @@
 #include "base/yaml/yaml_text.h"
 #include "pipeline/outofcore/memory.h"
 #include "pipeline/scan/empty_scan.h"
+#include "pipeline/scan/named_file.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/pieces.h"
 #include "pipeline/scan/reader.h"
@@ -166,11 +168,29 @@ ScanStatistics statistics_of(const fs::path& file, std::uint64_t kept, const Mes
   return statistics;
 }
 
-// Reads the scans into `seen`, `points` and `worth`; their part of the configuration, where those without a point are
-// comments. `pieces`: what is to be said of those in several.
-std::string look_at(const std::vector<fs::path>& files, const fs::path& folder, SeenScans& seen, TrialCloud& points,
-                    std::vector<std::string>& pieces, WorthBlock& worth, const SuggestOptions& options,
-                    Progress& progress) {
+// What an error names that is found in all scans together.
+struct ScanNames {
+  std::vector<std::string> files;
+  std::size_t farthest = 0;  // index of the one with points farthest from zero
+  double away_m = -1.0;
+
+  void add(const std::string& file, std::span<const Eigen::Vector3d> points_m) {
+    double away = 0.0;
+    for (const Eigen::Vector3d& p : points_m) away = std::max(away, p.cwiseAbs().maxCoeff());
+    if (away > away_m) {
+      farthest = files.size();
+      away_m = away;
+    }
+    files.push_back(file);
+  }
+  [[nodiscard]] std::string all() const { return names_together(files); }
+};
+
+// Reads the scans into `names`, `seen`, `points` and `worth`; their part of the configuration, where those without a
+// point are comments. `pieces`: what is to be said of those in several.
+std::string look_at(const std::vector<fs::path>& files, const fs::path& folder, ScanNames& names, SeenScans& seen,
+                    TrialCloud& points, std::vector<std::string>& pieces, WorthBlock& worth,
+                    const SuggestOptions& options, Progress& progress) {
   // Points of all scans beyond which the files are gone through again, with the same result.
   constexpr std::uint64_t kMostKept = 4'000'000;
   const MemoryLimit limit{options.memory_bytes, 0};
@@ -202,6 +222,7 @@ std::string look_at(const std::vector<fs::path>& files, const fs::path& folder, 
     seen.look_at(all[s].scan, all[s].runs, units[s].metres);
     require_extent(scans[s].string(),
                    {seen.points_m.begin() + static_cast<std::ptrdiff_t>(first), seen.points_m.end()});
+    names.add(scans[s].string(), std::span(seen.points_m).subspan(first));
     points.add(all[s], units[s].metres);
     text += fmt::format("  - file: {}\n    units: {}  # {}\n{}", yaml::quoted(shown_path(scans[s], folder)),
                         units[s].name, yaml::comment(units[s].reason), columns);
@@ -281,9 +302,10 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   TrialCloud points;
   std::vector<std::string> pieces;
   WorthBlock worth;
-  const std::string scan_block = look_at(scans, folder, seen, points, pieces, worth, options, progress);
-  require_extent(scans.front().string(), seen.points_m);
-  require_surface(scans.front().string(), seen.points_m, seen.points_m.size());
+  ScanNames names;
+  const std::string scan_block = look_at(scans, folder, names, seen, points, pieces, worth, options, progress);
+  require_extent(names.files[names.farthest], seen.points_m);
+  require_surface(names.all(), seen.points_m, seen.points_m.size());
   const std::string crop = crop_to_group(seen, points, progress);
   std::string filter_block = worth.comments();
   if (crop.empty()) {
@@ -303,7 +325,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   const View& view = choice.trial.view;
   const double spacing_mm = (choice.spacing_m > 0.0 ? choice.spacing_m : 0.001) * 1e3;
   if (choice.no_surface && !options.settings_follow) {
-    throw input_error(scans.front().string(), choice.trial.error, "points that spread over a surface");
+    throw input_error(names.all(), choice.trial.error, "points that spread over a surface");
   }
   if (!choice.trial.fits) {
     progress.warn(

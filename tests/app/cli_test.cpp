@@ -10,12 +10,14 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "scene/scene.h"
 #include "tests/app/program.h"
 #include "tests/support/sanitized.h"
 
@@ -370,6 +372,29 @@ TEST_F(Program, AnOutputThatFailsTakesNoOtherWithIt) {
   EXPECT_GT(nlohmann::json::parse(outcome.out)["ticks"], 0);
   EXPECT_TRUE(text_of(folder_ / "view.png").starts_with("\x89PNG"));
   EXPECT_THAT(text_of(folder_ / "visitors.csv"), HasSubstr("realism,"));
+}
+
+TEST_F(Program, ATraceSaysWhatOfTheSurfaceIsNoNumberThoughItsMaskCallsItKnown) {
+  ASSERT_EQ(run("build " + relief_ + " --out scene").code, 0);
+  write("path.csv", "t_s,x_m,y_m,z_m\n0,0.1,0.1,0\n");
+  EXPECT_THAT(run("trace scene --hip path.csv --out trace.csv").err, Not(HasSubstr("not numbers")));
+  const scene::ScenePointer sound = scene::open_scene(folder_ / "scene");
+  std::vector<scene::Layers> levels;
+  for (std::size_t level = 0; level < sound->description().levels.size(); ++level)
+    levels.push_back(sound->read_level(static_cast<int>(level)));
+  scene::DepthGrid& grid = levels.front().grid;
+  int broken = 0;
+  for (std::size_t n = 0; n < grid.state.size() && broken < 3; ++n) {
+    if (grid.state[n] == scene::NodeState::unknown) continue;
+    grid.height_m[n] = std::numeric_limits<float>::quiet_NaN();
+    ++broken;
+  }
+  fs::create_directory(folder_ / "broken");
+  scene::write_scene(*scene::make_scene(sound->description(), levels), folder_ / "broken");
+  const Outcome doubtful = run("trace broken --hip path.csv --out trace.csv");
+  EXPECT_EQ(doubtful.code, 0) << doubtful.err;
+  EXPECT_THAT(doubtful.err, HasSubstr("3 of the "));
+  EXPECT_THAT(doubtful.err, HasSubstr("known nodes of level 0 have heights that are not numbers"));
 }
 
 TEST_F(Program, ATraceOfAWindowBesideTheSceneIsAUsageError) {

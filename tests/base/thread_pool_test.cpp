@@ -3,11 +3,22 @@
 
 #include <gtest/gtest.h>
 
+#if __has_include(<sys/resource.h>)
+#include <sys/resource.h>
+#include <unistd.h>
+#endif
+
 #include <atomic>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <future>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "base/error.h"
+#include "base/threads/background.h"
 #include "base/threads/progress.h"
 
 namespace sparsha {
@@ -39,6 +50,47 @@ TEST(ThreadPool, RethrowsAnExceptionAndWorksOn) {
   pool.for_ranges(100, 1, [&](std::size_t begin, std::size_t) { sum += begin; });
   EXPECT_EQ(sum.load(), 4950U);
 }
+
+#if defined(RLIMIT_AS) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+/// Takes nearly all of the memory that this process may address, so that there is no room for the stacks of 64 threads.
+void take_room_for_threads() {
+  std::ifstream statm("/proc/self/statm");
+  std::uint64_t pages = 0;
+  statm >> pages;
+  const rlim_t now = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+  const rlimit limit{now + (40U << 20U), now + (40U << 20U)};
+  if (pages == 0 || setrlimit(RLIMIT_AS, &limit) != 0) std::_Exit(77);
+}
+
+TEST(ThreadPool, WorksWithTheThreadsThatTheSystemGives) {
+  EXPECT_EXIT(
+      {
+        take_room_for_threads();
+        ThreadPool pool(64);
+        std::vector<std::atomic<int>> seen(1000);
+        pool.for_ranges(seen.size(), 10, [&](std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end; ++i) ++seen[i];
+        });
+        bool once = true;
+        for (const auto& times : seen) once = once && times.load() == 1;
+        std::_Exit(pool.threads() < 64 && once ? 0 : 1);
+      },
+      ::testing::ExitedWithCode(0), "");
+}
+
+TEST(InBackground, WorkIsDoneWhereNoThreadCanBeStarted) {
+  EXPECT_EXIT(
+      {
+        take_room_for_threads();
+        std::vector<std::future<int>> results;
+        for (int k = 0; k < 64; ++k) results.push_back(in_background([k] { return std::this_thread::yield(), k; }));
+        int sum = 0;
+        for (std::future<int>& result : results) sum += result.get();
+        std::_Exit(sum == 63 * 64 / 2 ? 0 : 1);
+      },
+      ::testing::ExitedWithCode(0), "");
+}
+#endif
 
 TEST(Progress, TimesStagesKeepsWarningsOnceAndStopsWhenCancelled) {
   std::vector<std::string> heard;

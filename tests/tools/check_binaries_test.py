@@ -24,14 +24,19 @@ CASES = [
     (["-no-pie"], "not position-independent"),
 ]
 # How a source is compiled, and what is said of that.
+STRONG = "-fstack-protector-strong "
 COMMANDS = [
-    ("-O3 -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2", ""),
-    ("-O3 -D_FORTIFY_SOURCE=2 -O1", ""),
-    ("-O3", "not compiled with _FORTIFY_SOURCE=2"),
-    ("-O3 -D_FORTIFY_SOURCE=2 -U_FORTIFY_SOURCE", "not compiled with _FORTIFY_SOURCE=2"),
-    ("-O3 -D_FORTIFY_SOURCE=1", "not compiled with _FORTIFY_SOURCE=2"),
-    ("-D_FORTIFY_SOURCE=2", "does nothing"),
-    ("-O3 -D_FORTIFY_SOURCE=2 -O0", "does nothing"),
+    (STRONG + "-O3 -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2", ""),
+    (STRONG + "-O3 -D_FORTIFY_SOURCE=2 -O1", ""),
+    (STRONG + "-O3", "not compiled with _FORTIFY_SOURCE=2"),
+    (STRONG + "-O3 -D_FORTIFY_SOURCE=2 -U_FORTIFY_SOURCE", "not compiled with _FORTIFY_SOURCE=2"),
+    (STRONG + "-O3 -D_FORTIFY_SOURCE=1", "not compiled with _FORTIFY_SOURCE=2"),
+    (STRONG + "-D_FORTIFY_SOURCE=2", "does nothing"),
+    (STRONG + "-O3 -D_FORTIFY_SOURCE=2 -O0", "does nothing"),
+    ("-fno-stack-protector -fstack-protector-all -O3 -D_FORTIFY_SOURCE=2", ""),
+    ("-O3 -D_FORTIFY_SOURCE=2", "its stack is not guarded"),
+    ("-fstack-protector -O3 -D_FORTIFY_SOURCE=2", "its stack is not guarded"),
+    (STRONG + "-fno-stack-protector -O3 -D_FORTIFY_SOURCE=2", "its stack is not guarded"),
 ]
 
 

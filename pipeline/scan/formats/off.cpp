@@ -35,6 +35,7 @@ std::optional<std::pair<Kind, std::size_t>> kind_of(std::string_view word) {
   // 'NOFF' has normals, 'nOFF' names its dimension.
   const bool dimension = word.substr(at, 4) == "nOFF";
   kind.normal = !dimension && take("n");
+  if (!kind.colour) kind.colour = take("c");  // 'NCOFF', as some programs have it
   kind.four = take("4");
   kind.dimension = take("n");
   if (!take("off")) return std::nullopt;

@@ -1,8 +1,12 @@
 // Nothing doubtful is said without a warning, and a sound surface gets none.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/files/files.h"
@@ -136,6 +140,39 @@ TEST(SurfaceWarnings, AreGivenForPointsWhoseNoiseIsZeroAndNotForAMesh) {
 TEST(SurfaceWarnings, ASurfaceFartherThanASpacingFromHalfOfItsPointsIsAnError) {
   EXPECT_NO_THROW(require_surface_near_points(sound(), millimetre_grid(), checked(0.001)));
   EXPECT_THROW(require_surface_near_points(sound(), millimetre_grid(), checked(0.00101)), Error);
+}
+
+/// Of a site of 300 m in a table, which begins there and has those names and units.
+std::vector<std::string> warnings_of_site(double corner, const std::string& names, const std::string& units) {
+  const test::TestFolder folder;
+  std::string table = names;
+  for (int j = 0; j <= 30; ++j)
+    for (int i = 0; i <= 30; ++i)
+      table += fmt::format("{:.3f},{:.3f},{:.3f}\n", corner + 10 * i, corner + 10 * j, std::sin(0.4 * i + 0.3 * j));
+  write_file(folder / "site.csv", table);
+  const scene::Config config = scene::parse_config(
+      yaml::parse_text("scans: [{file: site.csv" + units +
+                           "}]\norientation: {look_from: [0, 0, 1], up: [0, 1, 0]}\ngrid: {spacing_mm: 10000}\n",
+                       "test"),
+      folder);
+  BuildOptions options;
+  options.grid_only = true;
+  Progress progress;
+  return build_scene(config, options, progress).report.warnings;
+}
+
+TEST(SizeWarnings, AreGivenOnceAndNotWhereTheFileNamesItsUnitOrLiesInAGridOfTheEarth) {
+  const auto about_size = [](const std::vector<std::string>& warnings) {
+    return std::count_if(warnings.begin(), warnings.end(),
+                         [](const std::string& text) { return text.find(" long") != std::string::npos; });
+  };
+  EXPECT_EQ(about_size(warnings_of_site(0, "x,y,z\n", "")), 1) << "300 mm rather";
+  EXPECT_EQ(about_size(warnings_of_site(0, "x,y,z\n", ", units: m")), 1);
+  EXPECT_EQ(about_size(warnings_of_site(0, "x [m],y [m],z [m]\n", "")), 0);
+  EXPECT_EQ(about_size(warnings_of_site(0, "x [m],y [m],z [m]\n", ", units: m")), 0);
+  EXPECT_EQ(about_size(warnings_of_site(412000, "x,y,z\n", "")), 0);
+  EXPECT_EQ(about_size(warnings_of_site(412000, "x,y,z\n", ", units: m")), 0);
+  EXPECT_EQ(about_size(warnings_of_site(12000, "x,y,z\n", "")), 1);
 }
 
 TEST(GridNoise, IsReadAndWrittenAndMayNotBeNegative) {

@@ -67,6 +67,28 @@ TEST(ForeignFiles, PagesAndOtherMarkupAreNamed) {
   expect_named("[[1, 2, 3], [4, 5, 6]]", "text in JSON", true);
 }
 
+TEST(ForeignFiles, OurOwnAndTablesInDocumentsAreNamed) {
+  const char* const config = "a Sparsha configuration";
+  expect_named("scans:\n  - {file: a.ply, units: m, pose: {translate: [0, 0, 0], quaternion: [0, 0, 0, 1]}}\n", config,
+               true);
+  expect_named("# A first configuration\n\n---\ngrid: {spacing_mm: 5}\nscans: [{file: a.ply}]\n", config, true);
+  expect_named("scans:\r\n  - file: a.ply\r\n", config, true);
+  const char* const scene = "the description of a Sparsha scene";
+  expect_named("# A Sparsha scene\nscans:\n  - file: a.ply\nscene:\n  version: 1\n", scene, true);
+  expect_named("# Scan\n\n| x | y | z |\n|---|:--|--:|\n| 0.1 | 0.2 | 0.3 |\n", "a table in Markdown", true);
+  EXPECT_FALSE(error_of_bytes("scan.txt", "scans: x y z\n1 2 3\n4 5 6\n"));
+  const auto bars = error_of_bytes("scan.txt", "x|y|z\n--|--|--\n1|2|3\n4|5|6\n");
+  EXPECT_TRUE(!bars || bars->wrong().find("Markdown") == std::string::npos);
+}
+
+TEST(ForeignFiles, CornersOfTetGenAreNoPoints) {
+  const char* const name = "a list of triangles or tetrahedra";
+  expect_named("3 3 0\n1 1 2 53\n2 1 53 52\n3 2 3 54\n", name, true);
+  expect_named("# corners\n2 4 1\n0 7 1 2 53 9\n1 1 53 52 8 9\n", name, true);
+  expect_named("3 3 0 0\n1 0.5 0 2\n2 1 1 5\n3 2 2 5\n", "a list of nodes", true);
+  expect_named("3 3 0 0\n1 0 0 2\n2 1 1 5\n3 2 2 5\n", "a list of nodes", true);
+}
+
 TEST(ForeignFiles, ModelsAreNamed) {
   expect_named("# vtk DataFile Version 3.0\nrelief\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 0 0\n",
                "a legacy VTK file", true);
@@ -90,6 +112,11 @@ TEST(ForeignFiles, PackedSplatsAreNamed) {
   const std::string head = "element chunk 1\nproperty float min_x\nelement vertex 256\nproperty uint packed_position\n";
   expect_named("ply\nformat binary_little_endian 1.0\n" + head + "end_header\n" + std::string(4100, '\1'),
                "Gaussian splats in packed form");
+  expect_named(
+      "ply\nformat binary_little_endian 1.0\nelement vertex_0 10\nproperty float x\nelement codebook_centers 4\n"
+      "property float f_dc_0\nend_header\n" +
+          std::string(400, '\1'),
+      "Gaussian splats whose values stand in codebooks");
   const auto error = error_of_bytes("a.ksplat", std::string(320, '\x01'));
   ASSERT_TRUE(error);
   EXPECT_THAT(error->wrong(), HasSubstr("(.ksplat)"));

@@ -429,5 +429,37 @@ TEST(GuessUnit, DoubtsMetresOnlyWhereTheyAreImplausible) {
   EXPECT_TRUE(doubt(1e-4));
 }
 
+TEST(GuessUnit, DoubtsMetresOfMillimetresThatLieFarFromZero) {
+  const auto doubt = [](double side, const Eigen::Vector3d& corner) {
+    return doubt_metres(corner, corner + side * Eigen::Vector3d(1, 0.8, 0.1));
+  };
+  const auto unit = [&](double side, const Eigen::Vector3d& corner) {
+    const std::optional<UnitGuess> guess = doubt(side, corner);
+    return guess ? guess->unit : scene::LengthUnit::automatic;
+  };
+  EXPECT_EQ(unit(15000, {0, 0, 0}), scene::LengthUnit::mm) << "a facade";
+  EXPECT_EQ(unit(12000, {-6000, -12000, 0}), scene::LengthUnit::mm);
+  EXPECT_EQ(unit(150, {12500, 23400, 1000}), scene::LengthUnit::mm) << "a plaque, 26 m from the scanner's zero";
+  EXPECT_EQ(unit(500, {5.12e8, 5.4e9, 1e5}), scene::LengthUnit::mm) << "of UTM";
+  EXPECT_EQ(unit(30, {5.12e8, 5.4e9, 1e5}), scene::LengthUnit::mm);
+  ASSERT_TRUE(doubt(500, {5.12e8, 5.4e9, 1e5}));
+  EXPECT_THAT(doubt(500, {5.12e8, 5.4e9, 1e5})->reason, HasSubstr("5400000 km from zero in metres, "));
+  const Eigen::Vector3d grids[] = {{450000, 5400000, 300},       // UTM
+                                   {166100, 300, 20},            // near the equator
+                                   {32450000, 5400000, 300},     // with the zone's number
+                                   {3450000, 5400000, 300},      // Gauss-Krueger
+                                   {2600000, 1200000, 500},      // Swiss
+                                   {530000, 180000, 10},         // British
+                                   {155000, 463000, 0},          // Dutch
+                                   {-8238000, 4970000, 10},      // the maps' of the web
+                                   {4075000, 931000, 4801000}};  // from the centre of the Earth
+  for (const Eigen::Vector3d& grid : grids) {
+    for (const double site : {0.3, 3.0, 30.0, 100.0, 300.0}) EXPECT_FALSE(doubt(site, grid)) << grid << ", " << site;
+  }
+  EXPECT_FALSE(doubt(30, {1000, 5000, 100}));
+  EXPECT_FALSE(doubt(10, {1.7e9, 3, 1})) << "a time";
+  EXPECT_FALSE(doubt(3e10, {3e10, 3e10, 3e10})) << "damage that no unit explains";
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline

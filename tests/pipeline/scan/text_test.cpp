@@ -82,6 +82,22 @@ TEST(LineReader, KnowsAllLineEndsAndALastLineWithoutOne) {
   EXPECT_THAT(lines_of(""), ElementsAre());
 }
 
+TEST(LineReader, KnowsTheLineEndsOfFilesThatWereJoined) {
+  using ::testing::ElementsAre;
+  EXPECT_THAT(lines_of("x y z\na\rb\rc\r"), ElementsAre("x y z", "a", "b", "c")) << "a header was put in front";
+  EXPECT_THAT(lines_of("a\rb\nc\rd"), ElementsAre("a", "b", "c", "d"));
+  EXPECT_THAT(lines_of("a\rb\r\nc\rd\n"), ElementsAre("a", "b", "c", "d"));
+  std::string joined = "a\rb\r";
+  for (int k = 0; k < 15; ++k) joined += "c\n";
+  EXPECT_EQ(lines_of(joined).size(), 17U);
+  // A damaged line among many is one line.
+  std::string damaged = "a\rb\n";
+  for (int k = 0; k < 15; ++k) damaged += "c\n";
+  EXPECT_EQ(lines_of(damaged).size(), 16U);
+  EXPECT_EQ(lines_of(damaged).front(), "a\rb");
+  EXPECT_THAT(lines_of("a\r\r\nb\r\r\n"), ElementsAre("a", "b")) << "converted twice";
+}
+
 TEST(LooksBinary, TellsTextFromBytes) {
   EXPECT_FALSE(looks_binary("x y z\n1\t2\r\n"));
   EXPECT_FALSE(looks_binary("# s\xC3\xA4ule\n"));

@@ -16,6 +16,7 @@
 #include "base/error.h"
 #include "base/files/files.h"
 #include "pipeline/build/build.h"
+#include "pipeline/scan/inspect.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/suggest/group.h"
 #include "pipeline/suggest/suggest.h"
@@ -245,6 +246,23 @@ TEST_F(Suggested, ADetailHasTheUnitOfTheScanThatShowsTheWhole) {
   EXPECT_EQ(suggest_config({files[0]}, {}, progress).config.scans[0].units.unit, scene::LengthUnit::m);
 }
 
+TEST_F(Suggested, MillimetresFarFromZeroAreDoubtedAlikeByInfoNewAndBuild) {
+  Points plaque = relief(20000, 0.0);
+  for (Eigen::Vector3d& p : plaque) p = 150.0 * p + Eigen::Vector3d(12500, 23400, 1000);
+  const fs::path file = write(plaque, "plaque.xyz");
+  const std::string reason = "m long in metres, ";
+  EXPECT_NE(::testing::PrintToString(inspect_scan(file).warnings).find(reason), std::string::npos);
+  Progress progress;
+  const Suggestion suggestion = suggest_config({file}, {}, progress);
+  EXPECT_EQ(suggestion.config.scans[0].units.unit, scene::LengthUnit::mm);
+  EXPECT_NE(suggestion.yaml.find(reason), std::string::npos) << suggestion.yaml;
+  scene::ScanConfig config;
+  config.file = file;
+  Progress of_build;
+  (void)load_scan(config, of_build);
+  EXPECT_NE(::testing::PrintToString(of_build.warnings()).find(reason), std::string::npos);
+}
+
 TEST_F(Suggested, ACloudWithoutASurfaceIsSaidToFailTheCheckOnScreenAndInTheFile) {
   Points points;
   for (int n = 0; n < 10000; ++n) points.emplace_back(normal(1.0), normal(1.0), normal(1.0));
@@ -291,6 +309,32 @@ TEST_F(Suggested, PointsOnALineOrInOnePlaceAreAnError) {
     config.scans[0].file = file;
     EXPECT_THROW((void)build_scene(config, {}, progress), Error);
   }
+}
+
+TEST_F(Suggested, AnErrorOfSeveralScansNamesTheOneAtFaultOrAllOfThem) {
+  const auto error_of = [](const std::vector<fs::path>& files) {
+    Progress progress;
+    try {
+      (void)suggest_config(files, {}, progress);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  Points far = relief(3000, 0.0);
+  for (Eigen::Vector3d& p : far) p += Eigen::Vector3d(3e9, 0, 0);
+  const std::string spread = error_of({write(relief(3000, 0.0), "near.xyz"), write(far, "far.xyz")});
+  EXPECT_NE(spread.find("far.xyz: "), std::string::npos) << spread;
+  EXPECT_EQ(spread.find("near.xyz"), std::string::npos) << spread;
+  std::vector<fs::path> lines;
+  for (int part = 0; part < 4; ++part) {
+    Points line;
+    for (int k = 0; k < 300; ++k) line.emplace_back(Eigen::Vector3d(0.01, 0.007, 0.001) * (300 * part + k));
+    lines.push_back(write(line, "line" + std::to_string(part) + ".xyz"));
+  }
+  const std::string straight = error_of(lines);
+  EXPECT_NE(straight.find("line0.xyz, "), std::string::npos) << straight;
+  EXPECT_NE(straight.find("line2.xyz and 1 more: "), std::string::npos) << straight;
 }
 
 TEST_F(Suggested, AGridOfHeightsGivesItsOwnHeightsAndKeepsItsHole) {

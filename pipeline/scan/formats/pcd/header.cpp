@@ -12,7 +12,12 @@ constexpr std::size_t kLongestLine = 1 << 16;
 
 class HeaderParser {
  public:
-  explicit HeaderParser(const ScanFile& file) : file_(file) {}
+  explicit HeaderParser(const ScanFile& file) : file_(file) {
+    const std::string_view head = file.bytes.substr(0, kLongestLine);
+    const std::size_t cr = head.find('\r');
+    const bool alone = cr + 1 < head.size() && head[cr + 1] != '\n' && head[cr + 1] != '\r';
+    if (cr != std::string_view::npos && alone && head.find('\n') > cr) end_ = '\r';
+  }
 
   Header parse() {
     std::string_view line;
@@ -29,7 +34,7 @@ class HeaderParser {
   bool next_line(std::string_view& line) {
     if (offset_ >= file_.bytes.size()) return false;
     const std::string_view rest = file_.bytes.substr(offset_);
-    const std::size_t length = rest.substr(0, kLongestLine).find('\n');
+    const std::size_t length = rest.substr(0, kLongestLine).find(end_);
     if (length == std::string_view::npos) {
       if (rest.size() > kLongestLine) throw error("a PCD header line of more than 65536 bytes", "lines up to 'DATA'");
       throw error("the PCD header breaks off", "lines up to 'DATA'");
@@ -205,6 +210,7 @@ class HeaderParser {
   const ScanFile& file_;
   std::size_t offset_ = 0;
   int line_ = 0;
+  char end_ = '\n';  ///< of a line
   Header header_;
   std::vector<std::string> names_, types_;
   std::vector<std::uint64_t> sizes_, counts_;

@@ -116,13 +116,13 @@ void read_opacity_range(const ScanFile& file, LineReader lines, const Element& v
   std::string_view line;
   for (VertexField& field : fields) {
     if (!field.logit) continue;
-    OpacityRange range;
+    OpacityRange range(vertex.properties[field.column].type);
     for (std::uint64_t i = 0; i < std::min(vertex.count, kSample); ++i) {
       next_record(file, lines, vertex, i, line);
       record.parse(line, lines.number());
       range.look_at(record[static_cast<int>(field.column)]);
     }
-    field.logit = !range.is_share();
+    range.tell(field);
   }
 }
 
@@ -134,7 +134,7 @@ double longest_axis(const RecordParser& record, const VertexColumns& columns) {
 std::optional<SplatVertices> look_at_splats(const ScanFile& file, LineReader lines, const Element& vertex,
                                             const VertexColumns& columns) {
   if (!columns.has_whole_splats()) return std::nullopt;
-  SplatVertices splats;
+  SplatVertices splats(vertex.properties[static_cast<std::size_t>(columns.opacity)].type);
   RecordParser record(file, vertex, -1);
   std::string_view line;
   for (std::uint64_t i = 0; i < std::min(vertex.count, SplatSieve::kSample); ++i) {

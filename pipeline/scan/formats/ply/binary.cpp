@@ -222,12 +222,12 @@ class Body {
     const std::uint64_t every = std::max<std::uint64_t>(1, vertex.count / kSample);
     for (std::size_t k = 0; k < fields_.size(); ++k) {
       if (!fields_[k].logit) continue;
-      OpacityRange range;
+      OpacityRange range(layout.fields[k].type);
       for (std::uint64_t i = 0; i < vertex.count; i += every) {
         const char* const q = p_ + static_cast<std::size_t>(i) * stride;
         range.look_at(load_scalar<big>(q + layout.fields[k].offset, layout.fields[k].type));
       }
-      fields_[k].logit = !range.is_share();
+      range.tell(fields_[k]);
     }
   }
 
@@ -238,7 +238,7 @@ class Body {
     return std::max({stored(layout.axes[0], record), stored(layout.axes[1], record), stored(layout.axes[2], record)});
   }
   void look_at_splats(const Element& vertex, const VertexLayout& layout, std::size_t stride) {
-    splats_.emplace();
+    splats_.emplace(layout.opacity.type);
     const std::uint64_t every = std::max<std::uint64_t>(1, vertex.count / SplatSieve::kSample);
     for (std::uint64_t i = 0; i < vertex.count; i += every) {
       const char* const record = p_ + static_cast<std::size_t>(i) * stride;

@@ -65,7 +65,7 @@ std::vector<VertexField> vertex_fields(const Element& vertex, const VertexColumn
 }
 
 void SplatVertices::decide() {
-  opacity_.logit = !range_.is_share();
+  range_.tell(opacity_);
   for (const auto& [opacity, longest] : looked_) sieve_.look_at(opacity_.value(opacity), std::exp(longest));
   sieve_.decide();
   looked_ = {};

@@ -83,20 +83,38 @@ struct VertexField {
   std::size_t column = 0;
   int slot = 0;
   bool logit = false;  ///< a splat's opacity: 1 / (1 + exp(-value)) is the one that people mean, 0 to 1
+  double whole = 1.0;  ///< a splat's opacity that is no logit: the value of an opaque one
 
-  [[nodiscard]] double value(double stored) const { return logit ? 1.0 / (1.0 + std::exp(-stored)) : stored; }
+  [[nodiscard]] double value(double stored) const { return logit ? 1.0 / (1.0 + std::exp(-stored)) : stored / whole; }
 };
-/// Whether splats' opacities are logits, as training writes them, or what some programs write in their place: 0 to 1.
-/// Logits from 0 to 1 alone would be a cloud whose splats all let a quarter to half of the light through.
+/// Whether splats' opacities are logits, as training writes them, or what some programs write in their place: 0 to 1,
+/// or whole numbers up to 255 or 65535. Logits from 0 to 1 alone would be a cloud whose splats all let a quarter to
+/// half of the light through.
 class OpacityRange {
  public:
+  /// Of a property that is stored in that type.
+  explicit OpacityRange(ScalarType type) : floating_(is_floating(type)) {}
+
   void look_at(double stored) {
     least_ = std::min(least_, stored);
     most_ = std::max(most_, stored);
+    whole_ = whole_ && stored == std::floor(stored);
   }
-  [[nodiscard]] bool is_share() const { return least_ >= 0.0 && most_ <= 1.0 && least_ < most_; }
+  void tell(VertexField& field) const {
+    field.logit = !is_share() && !is_count();
+    field.whole = !is_count() ? 1.0 : most_ <= 255.0 ? 255.0 : 65535.0;
+  }
 
  private:
+  [[nodiscard]] bool is_share() const { return least_ >= 0.0 && most_ <= 1.0 && least_ < most_; }
+  /// Floats only where no logit goes: that of 100 is opaque to 1e-43.
+  [[nodiscard]] bool is_count() const {
+    const double least_of_most = floating_ ? 100.0 : 1.0;
+    return whole_ && least_ >= 0.0 && most_ > least_of_most && most_ <= 65535.0 && (least_ < most_ || !floating_);
+  }
+
+  bool floating_;
+  bool whole_ = true;
   double least_ = std::numeric_limits<double>::infinity();
   double most_ = -std::numeric_limits<double>::infinity();
 };
@@ -104,6 +122,9 @@ class OpacityRange {
 /// Splats as vertices have them: opacities are logits or shares, axes the logarithms of lengths.
 class SplatVertices {
  public:
+  /// With opacities that are stored in that type.
+  explicit SplatVertices(ScalarType opacity) : range_(opacity) {}
+
   void look_at(double opacity, double longest) {
     range_.look_at(opacity);
     looked_.emplace_back(opacity, longest);

@@ -1,6 +1,7 @@
 #include "pipeline/scan/formats/text/column_names.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "pipeline/scan/text.h"
@@ -48,6 +49,22 @@ bool is_axis(std::string_view letters, char axis) {
          is_one_of(letters.substr(0, letters.size() - 1), kVectorWords);
 }
 
+bool says_east(std::string_view word) { return is_one_of(word, kEast) || is_one_of(word, kLongitude); }
+bool says_north(std::string_view word) { return is_one_of(word, kNorth) || is_one_of(word, kLatitude); }
+
+/// The axis and the direction of a name that is both: "xnorth", "eastingx". Initials may be other words': "nx".
+std::optional<std::pair<char, std::string_view>> axis_and_direction(std::string_view letters) {
+  const auto is_direction = [](std::string_view word) {
+    return word.size() > 1 && (says_east(word) || says_north(word) || is_one_of(word, kHeight) || word == "up");
+  };
+  if (letters.size() < 3) return std::nullopt;
+  constexpr std::string_view kAxes = "xyz";
+  const std::string_view behind = letters.substr(1), before = letters.substr(0, letters.size() - 1);
+  if (kAxes.find(letters.front()) != std::string_view::npos && is_direction(behind)) return {{letters.front(), behind}};
+  if (kAxes.find(letters.back()) != std::string_view::npos && is_direction(before)) return {{letters.back(), before}};
+  return std::nullopt;
+}
+
 /// What a name may be read as: "x/easting" is both.
 using Forms = std::vector<std::string>;
 
@@ -57,6 +74,11 @@ Forms forms_of(const std::string& name) {
     const std::string rest = letters_of(std::string_view(name).substr(blank));
     const bool survey = is_one_of(rest, kEast) || is_one_of(rest, kNorth) || is_one_of(rest, kHeight);
     if (survey && is_one_of(letters_of(std::string_view(name).substr(0, blank)), kSystems)) forms.push_back(rest);
+  }
+  const std::string letters = forms.front();
+  if (const auto both = axis_and_direction(letters)) {
+    forms.emplace_back(1, both->first);
+    forms.emplace_back(both->second);
   }
   for (std::size_t begin = 0; name.find('/') != std::string::npos && begin <= name.size();) {
     const std::size_t end = std::min(name.find('/', begin), name.size());
@@ -92,8 +114,12 @@ class Finder {
     return plain >= 0 ? plain : find_if([&](const std::string& form) { return is_axis(form, axis); });
   }
   [[nodiscard]] bool is(int column, std::string_view words) const {
+    return any(column, [&](const std::string& form) { return is_one_of(form, words); });
+  }
+  template <typename Test>
+  [[nodiscard]] bool any(int column, const Test& test) const {
     const Forms& forms = forms_[static_cast<std::size_t>(column)];
-    return std::any_of(forms.begin(), forms.end(), [&](const std::string& form) { return is_one_of(form, words); });
+    return std::any_of(forms.begin(), forms.end(), test);
   }
   /// Whether another column has the same name.
   [[nodiscard]] bool is_repeated(int column) const {
@@ -116,14 +142,23 @@ std::array<int, 3> other_axes(const Finder& finder, const std::array<int, 3>& ta
   return {other(0), other(1), other(2)};
 }
 
+/// The columns of x, y and z, with x and y exchanged where their names say that x is north or y is east.
+std::array<int, 3> turned(const Finder& finder, const std::array<int, 3>& axes) {
+  const auto north = [&](int column) { return finder.any(column, says_north); };
+  const auto east = [&](int column) { return finder.any(column, says_east); };
+  const bool as_they_are = east(axes[0]) || north(axes[1]);
+  if (as_they_are || !(north(axes[0]) || east(axes[1]))) return axes;
+  return {axes[1], axes[0], axes[2]};
+}
+
 std::array<int, 3> coordinates(const Finder& finder) {
   const int height = finder.find(kHeight);
   const int z = finder.axis('z') >= 0 ? finder.axis('z') : height;
   const std::array<int, 3> axes = {finder.axis('x'), finder.axis('y'), z};
-  if (all_found(axes) && finder.axis('z') >= 0) return axes;
+  if (all_found(axes) && finder.axis('z') >= 0) return turned(finder, axes);
   const std::array<int, 3> survey = {finder.find(kEast), finder.find(kNorth), z};
   if (all_found(survey)) return survey;
-  if (all_found(axes)) return axes;
+  if (all_found(axes)) return turned(finder, axes);
   return {finder.find(kLongitude), finder.find(kLatitude), z};
 }
 
@@ -140,10 +175,11 @@ NamedColumns name_columns(const std::vector<std::string>& names, const std::vect
     return finder.is(column, kLongitude) || finder.is(column, kLatitude) || unit(column) == NamedUnit::degree;
   };
   named.degrees = is_degree(found[0]) && is_degree(found[1]);
+  named.exchanged = finder.is(found[0], " y ") && finder.is(found[1], " x ");
   constexpr std::string_view kInitials = " e n h ";
-  named.by_initials =
-      finder.is(found[0], kInitials) || finder.is(found[1], kInitials) || finder.is(found[2], kInitials);
-  named.other_set = !finder.is(found[0], " x ") && all_found(other_axes(finder, found));
+  const auto is_initial = [&](int column) { return finder.is(column, kInitials) && !finder.is(column, " x y z "); };
+  named.by_initials = std::any_of(found.begin(), found.end(), is_initial);
+  named.other_set = !finder.is(found[0], " x y ") && all_found(other_axes(finder, found));
   named.repeated = std::any_of(found.begin(), found.end(), [&](int column) { return finder.is_repeated(column); });
   const std::array<int, 3> colour = {finder.find("red r rf colorr colourr rgbr diffusered"),
                                      finder.find("green g gf colorg colourg rgbg diffusegreen"),
@@ -192,7 +228,17 @@ bool names_coordinate(std::string_view name) {
   const std::string letters = letters_of(name);
   return is_axis(letters, 'x') || is_axis(letters, 'y') || is_axis(letters, 'z') || is_one_of(letters, kEast) ||
          is_one_of(letters, kNorth) || is_one_of(letters, kHeight) || is_one_of(letters, kLongitude) ||
-         is_one_of(letters, kLatitude);
+         is_one_of(letters, kLatitude) || axis_and_direction(letters);
+}
+
+bool names_direction(std::string_view word) {
+  const std::string letters = letters_of(word);
+  return says_east(letters) || says_north(letters) || is_one_of(letters, kHeight);
+}
+
+bool names_axis(std::string_view name) {
+  const std::string letters = letters_of(name);
+  return is_axis(letters, 'x') || is_axis(letters, 'y') || is_axis(letters, 'z');
 }
 
 std::string why_no_coordinates(const std::vector<std::string>& names, const std::vector<std::string>& units) {

@@ -18,6 +18,7 @@ struct NamedColumns {
   int intensity = -1;
   bool degrees = false;      ///< x and y are longitude and latitude
   bool by_initials = false;  ///< of easting, northing and height, which might be other words'
+  bool exchanged = false;    ///< x is the column 'y', since the names say which of them is east or north
   bool repeated = false;     ///< one of the three is there twice
   bool other_set = false;    ///< other columns are named after the axes, too
 
@@ -40,6 +41,10 @@ void split_unit(std::string& name, std::string& unit);
 
 /// Whether a name is one that x, y or z, or longitude and latitude go by.
 [[nodiscard]] bool names_coordinate(std::string_view name);
+/// Whether it is that of x, y or z.
+[[nodiscard]] bool names_axis(std::string_view name);
+/// Whether a word says where an axis goes: "north", "easting", "h".
+[[nodiscard]] bool names_direction(std::string_view word);
 /// Whether it is that of a place, of which brackets choose a coordinate: "P[x]".
 [[nodiscard]] bool names_place(std::string_view name);
 /// Words that make one name of two: "point no.", "x coordinate".

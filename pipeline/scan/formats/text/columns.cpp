@@ -257,6 +257,11 @@ TableColumns named_columns(const TableHeader& header, const HeaderPlace& place, 
     const auto name = [&](std::size_t axis) { return "'" + header.names[index(named.xyz[axis])] + "'"; };
     columns.warnings.push_back("x, y and z are its columns " + name(0) + ", " + name(1) + " and " + name(2));
   }
+  if (named.exchanged) {
+    columns.warnings.push_back("the header says which of its x and y is north: x, to the east, is its column '" +
+                               header.names[index(named.xyz[0])] + "', and y '" + header.names[index(named.xyz[1])] +
+                               "'");
+  }
   if (named.other_set) {
     columns.warnings.push_back("the header names several sets of coordinates; " + place_text(columns) +
                                " are taken; if that is wrong, 'columns' of the scan names them");

@@ -27,23 +27,36 @@ void make_latin(std::string& name) {
   }
 }
 
+/// What brackets behind a name say: its axis ("P[x]"), where the axis goes ("X (north)", which becomes "x/north"), or
+/// else its unit.
+void add_bracket(std::string& name, std::string& unit, const std::string& text) {
+  const bool is_axis_number = text.size() == 1 && std::string_view("xyz012").find(text) != std::string_view::npos;
+  if (is_axis_number && names_place(name)) {
+    name += text;
+  } else if (names_direction(text) && names_axis(name)) {
+    name += "/" + text;
+  } else if (unit.empty() || unit_named(unit) == NamedUnit::none) {
+    unit = text;
+  }
+}
+
 /// Adds a name and what it says of its unit.
 void add_name(TableHeader& header, std::string name) {
   trim(name);
   std::string unit;
-  const std::size_t open = name.find_first_of("([{<");
+  std::size_t open = name.find_first_of("([{<");
   if (open != std::string::npos) {
-    const std::size_t close = std::min(name.find_first_of(")]}>", open), name.size());
-    unit = name.substr(open + 1, close - open - 1);
-    trim(unit);
-    const bool is_axis_number = unit.size() == 1 && std::string_view("xyz012").find(unit) != std::string_view::npos;
-    if (is_axis_number && names_place(name.substr(0, open))) {
-      name.resize(open);  // "P[x]"
-      name += unit;
-      unit.clear();
-    } else if (open > 0) {
+    const std::string whole = name;
+    if (open > 0) {
       name.resize(open);
       trim(name);
+    }
+    while (open != std::string::npos) {
+      const std::size_t close = std::min(whole.find_first_of(")]}>", open), whole.size());
+      std::string text = whole.substr(open + 1, close - open - 1);
+      trim(text);
+      add_bracket(name, unit, text);
+      open = whole.find_first_of("([{<", close);
     }
   }
   split_unit(name, unit);
@@ -99,7 +112,7 @@ void join_words(TableHeader& header, bool join) {
     const std::string& name = header.names[k];
     const bool bracket = !name.empty() && (name.front() == '(' || name.front() == '[' || name.front() == '{');
     if (bracket && !names.empty()) {
-      units.back() = header.units[k];
+      add_bracket(names.back(), units.back(), header.units[k]);
     } else if (join && !names.empty() && belong_together(names.back(), name)) {
       names.back() += " " + name;
       if (!header.units[k].empty()) units.back() = header.units[k];

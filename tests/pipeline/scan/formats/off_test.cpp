@@ -71,6 +71,7 @@ TEST(OffReader, KnowsColoursNormalsTextureAndTheFourthCoordinate) {
       {"OFF", {"255 0 0 255", "0 255 0 255", "0 0 255 255", "9 9 9 255"}, true, false},
       {"OFF", {"1 0 0", "0 -1 0", "0 0 1", "1 0 0"}, false, false},
       {"NOFF", {"0 0 1", "0 0 1", "0 0 1", "0 0 1"}, false, true},
+      {"NCOFF", {"0 0 1 255 0 0 255", "0 0 1 0 255 0 255", "0 0 1 0 0 255 255", "0 0 1 9 9 9 255"}, true, true},
       {"CNOFF", {"0 0 1 255 0 0 255", "0 0 1 0 255 0 255", "0 0 1 0 0 255 255", "0 0 1 9 9 9 255"}, true, true},
       {"STOFF", {"0 0", "1 0", "1 1", "0 1"}, false, false},
       {"STCNOFF", {"0 0 1 1 0 0 1 0 0", "0 0 1 0 1 0 1 1 0", "0 0 1 0 0 1 1 1 1", "0 0 1 0 0 1 1 0 1"}, true, true},

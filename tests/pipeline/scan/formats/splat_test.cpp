@@ -87,23 +87,38 @@ std::string spz_stream(const std::vector<Splat>& splats, std::uint32_t version, 
   return bytes;
 }
 
-std::string ply_file(const std::vector<Splat>& splats, bool binary, bool shares = false) {
+enum class Opacities { logits, shares, bytes, whole_floats };
+
+std::string ply_file(const std::vector<Splat>& splats, bool binary, Opacities kind = Opacities::logits) {
   std::string head = std::string("ply\nformat ") + (binary ? "binary_little_endian" : "ascii") + " 1.0\n";
   head += "element vertex " + std::to_string(splats.size()) + "\n";
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0",
                            "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"}) {
-    head += std::string("property float ") + name + "\n";
+    const bool byte = kind == Opacities::bytes && std::string_view(name) == "opacity";
+    head += std::string(byte ? "property uchar " : "property float ") + name + "\n";
   }
+  constexpr std::size_t kOpacity = 9;
   std::string body;
   for (const Splat& splat : splats) {
     std::vector<double> row(splat.place.begin(), splat.place.end());
     row.insert(row.end(), 3, 0.0);
     for (const int x : splat.colour) row.push_back((x / 255.0 - 0.5) / 0.28209479177387814);
     const double opacity = std::min(splat.opacity, 0.9999);
-    row.push_back(shares ? opacity : std::log(opacity / (1 - opacity)));
+    row.push_back(kind == Opacities::logits   ? std::log(opacity / (1 - opacity))
+                  : kind == Opacities::shares ? opacity
+                                              : std::round(255 * opacity));
     for (const double x : splat.axes) row.push_back(std::log(x));
     row.insert(row.end(), {1.0, 0.0, 0.0, 0.0});
-    for (const double x : row) binary ? put(body, static_cast<float>(x)) : void(body += std::to_string(x) + " ");
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      const bool byte = kind == Opacities::bytes && k == kOpacity;
+      if (!binary) {
+        body += (byte ? std::to_string(std::lround(row[k])) : std::to_string(row[k])) + " ";
+      } else if (byte) {
+        put(body, static_cast<std::uint8_t>(row[k]));
+      } else {
+        put(body, static_cast<float>(row[k]));
+      }
+    }
     if (!binary) body += "\n";
   }
   return head + "end_header\n" + body;
@@ -139,8 +154,8 @@ TEST(Splats, EveryFormatGivesTheSameSurface) {
     }
   }
   for (const bool binary : {false, true}) {
-    for (const bool shares : {false, true})
-      expect_sifted(read_scan_bytes(ply_file(some_splats(), binary, shares), "a.ply"), 1);
+    for (const Opacities kind : {Opacities::logits, Opacities::shares, Opacities::bytes, Opacities::whole_floats})
+      expect_sifted(read_scan_bytes(ply_file(some_splats(), binary, kind), "a.ply"), 1);
   }
 }
 
@@ -199,6 +214,27 @@ TEST(Splats, OpacityIsAField) {
     const RawScan scan = read_scan_bytes(bytes, name, options);
     ASSERT_EQ(scan.values.size(), 1U);
     EXPECT_THAT(scan.values[0], ElementsAre(1.0F, 0.4F)) << name;
+  }
+}
+
+TEST(Splats, OpacitiesOfPlyAreSharesWhateverTheirScale) {
+  ReadOptions options;
+  options.fields = {"opacity"};
+  std::vector<Splat> splats(2);
+  splats[1].opacity = 0.4;
+  for (const bool binary : {false, true}) {
+    const RawScan scan = read_scan_bytes(ply_file(splats, binary, Opacities::bytes), "a.ply", options);
+    ASSERT_EQ(scan.values.size(), 1U);
+    EXPECT_THAT(scan.values[0], ElementsAre(1.0F, 0.4F));
+    // All alike: bytes are still bytes, and a logit of 10 is opaque.
+    splats[1].opacity = 1.0;
+    const RawScan opaque = read_scan_bytes(ply_file(splats, binary, Opacities::bytes), "a.ply", options);
+    EXPECT_THAT(opaque.values.at(0), ElementsAre(1.0F, 1.0F));
+    std::string ten = ply_file(splats, false);
+    for (std::size_t at = ten.find("9.210240"); at != std::string::npos; at = ten.find("9.210240"))
+      ten.replace(at, 8, "10.00000");
+    EXPECT_THAT(read_scan_bytes(ten, "a.ply", options).values.at(0), ::testing::Each(::testing::Gt(0.999F)));
+    splats[1].opacity = 0.4;
   }
 }
 

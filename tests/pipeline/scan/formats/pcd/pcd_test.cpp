@@ -1,6 +1,10 @@
 // PCD: three encodings, any field types, counts and padding, and headers that lie.
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+
 #include "pipeline/scan/formats/pcd/lzf.h"
 #include "tests/support/scan_files.h"
 
@@ -109,6 +113,24 @@ TEST(PcdReader, ReadsUpperCaseIntegerCoordinatesCommasAndCrlf) {
   std::string crlf;
   for (const char c : text) crlf += c == '\n' ? std::string("\r\n") : std::string(1, c);
   EXPECT_THAT(folder.read("c.pcd", crlf).points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(-4, 5, 6)));
+}
+
+TEST(PcdReader, ReadsLinesThatEndWithCrAlone) {
+  const ScanFolder folder;
+  const auto with_cr = [](std::string text) {
+    std::replace(text.begin(), text.end(), '\n', '\r');
+    return text;
+  };
+  const std::string head = header("x y z", "4 4 4", "F F F", "1 1 1", 2, "ascii");
+  EXPECT_THAT(folder.read("c.pcd", with_cr(head + "1 2 3\n-4 5 6\n")).points,
+              ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(-4, 5, 6)));
+  // A header that was rewritten before bytes that hold line feeds.
+  std::string body;
+  for (const std::uint32_t bits : {0x3F800A0AU, 0x40000A0DU, 0x40400D0AU}) put(body, bits);
+  const RawScan binary = folder.read("b.pcd", with_cr(header("x y z", "4 4 4", "F F F", "1 1 1", 1, "binary")) + body);
+  EXPECT_THAT(binary.points,
+              ElementsAre(Eigen::Vector3d(std::bit_cast<float>(0x3F800A0AU), std::bit_cast<float>(0x40000A0DU),
+                                          std::bit_cast<float>(0x40400D0AU))));
 }
 
 TEST(PcdReader, ReadsOldHeadersWithoutSizesCountsOrPoints) {

@@ -289,6 +289,30 @@ TEST(TextTable, SaysWhatItTookForXYAndZ) {
   expect_refused("a.csv", "x,y,z,x\n1,2,3,4\n", "a coordinate twice", 1);
 }
 
+TEST(TextTable, HearsWhichAxisItsHeaderCallsNorth) {
+  for (const char* const names :
+       {"X(North),Y(East),Z", "X_North,Y_East,Z_Up", "X (Northing) [m],Y (Easting) [m],Z [m]", "X/Northing,Y/Easting,Z",
+        "X(N),Y(E),Z(H)", "XNorthing,YEasting,ZHeight", "North_X,East_Y,Z", "x (Hochwert),y (Rechtswert),z",
+        "X north [m],Y east [m],Z [m]", "X (north),Y,Z", "X,Y (east),Z"}) {
+    const RawScan scan = read(names + std::string("\n2,1,3\n20,10,30\n"));
+    EXPECT_THAT(scan.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(10, 20, 30))) << names;
+    EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("which of its x and y is north"))) << names;
+    EXPECT_EQ(scan.unit.has_value(), std::string_view(names).find("[m]") != std::string_view::npos) << names;
+  }
+  EXPECT_THAT(read("X (North) [m] Y (East) [m] Z [m]\n2 1 3\n20 10 30\n").points,
+              ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(10, 20, 30)));
+  for (const char* const names :
+       {"X(East),Y(North),Z", "X_East,Y_North,Z_Up", "X (Easting) [m],Y (Northing) [m],Z [m]", "X/Easting,Y/Northing,Z",
+        "X(E),Y(N),Z(H)", "X (east),Y,Z", "X,Y (north),Z", "X (north),Y (north),Z", "X,Y,Z"}) {
+    const RawScan scan = read(names + std::string("\n1,2,3\n10,20,30\n"));
+    EXPECT_THAT(scan.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(10, 20, 30))) << names;
+    EXPECT_THAT(scan.warnings, IsEmpty()) << names;
+  }
+  const RawScan normals = read("x,y,z,n_x,n_y,n_z\n1,2,3,0,0,1\n10,20,30,0,1,0\n");
+  EXPECT_THAT(normals.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(10, 20, 30)));
+  EXPECT_TRUE(read("X (latitude),Y (longitude),Z\n41.9,12.5,50\n").degrees);
+}
+
 TEST(TextTable, WithCoordinatesBehindMoreColumnsThanARowMayHaveIsRefused) {
   std::string names;
   std::string row;
