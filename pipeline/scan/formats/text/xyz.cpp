@@ -145,12 +145,18 @@ class Reader {
     }
     if (columns().has_normals()) set_normal(row);
     if (columns().by == TextTable::By::position) {
-      first_column_.add(value(columns().x), value(columns().y), value(columns().z));
+      first_column_.add(value(columns().x), value(columns().y), value(columns().z), number_behind(row));
     }
     out_.add(value(columns().x), value(columns().y), z, rgba,
              has(columns().intensity) ? static_cast<float>(value(columns().intensity)) : kNoIntensity);
     ++rows_;
     ++rows_of_block_;
+  }
+
+  /// The number behind z; not a number where there is none.
+  [[nodiscard]] double number_behind(const TableRow& row) const {
+    const int column = columns().z + 1;
+    return row.has_number(column) ? row.values[static_cast<std::size_t>(column)] : kNaN;
   }
 
   /// Pictures that show the point.
