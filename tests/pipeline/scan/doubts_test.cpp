@@ -164,6 +164,39 @@ TEST(StoredSteps, OfARasterOrOfScanLinesAreNoDoubt) {
   EXPECT_THAT(doubts_of(rounded(millimetres, {1, 1, 0.01})), IsEmpty());
 }
 
+TEST(StoredSteps, OfHeightsAloneAreSaidThoughTheyAreFew) {
+  // A relief of 40 mm in steps of half a point's distance and of one: nine levels and five.
+  const auto steep = [](Points points, double step) {
+    for (Eigen::Vector3d& p : points) p.z() = step * std::round(relief(3.0 * p.x(), 3.0 * p.y()) / step);
+    return points;
+  };
+  for (const double step : {0.005, 0.01}) {
+    const Points points = steep(random_relief(8000, 12), step);
+    EXPECT_THAT(doubts_of(points), ElementsAre(AllOf(HasSubstr("z in steps of 0.0"), Not(HasSubstr("x in"))))) << step;
+    EXPECT_THAT(doubts_of(moved(points, {412345, 5654321, 0})), Contains(HasSubstr("z in steps of 0.0"))) << step;
+    EXPECT_THAT(doubts_of(steep(raster_relief(0.01), step)), Contains(HasSubstr("z in steps of 0.0"))) << step;
+  }
+}
+
+TEST(StoredSteps, OfPlatesStairsAndTerracesAreNoDoubt) {
+  std::mt19937 random(13);
+  std::uniform_real_distribution<double> unit(0, 1);
+  Points plate, noisy, stairs, low_stairs, terraces;
+  for (const Eigen::Vector3d& p : random_relief(8000, 14)) {  // 0.01 apart
+    plate.emplace_back(p.x(), p.y(), 0.5);
+    noisy.emplace_back(p.x(), p.y(), 0.005 * std::round(1.3 * unit(random) + 0.35));
+    stairs.emplace_back(p.x(), p.y(), 0.17 * std::floor(8.0 * p.x()));
+    low_stairs.emplace_back(p.x(), p.y(), 0.01 * std::floor(8.0 * p.x()));
+    const double r = std::hypot(p.x() - 0.5, p.y() - 0.4);
+    terraces.emplace_back(p.x(), p.y(), 0.005 * std::floor(6.0 * (1.0 - r)));
+  }
+  EXPECT_THAT(doubts_of(plate), IsEmpty());
+  EXPECT_THAT(doubts_of(noisy), IsEmpty());
+  EXPECT_THAT(doubts_of(stairs), IsEmpty());
+  EXPECT_THAT(doubts_of(low_stairs), IsEmpty());
+  EXPECT_THAT(doubts_of(terraces), IsEmpty());
+}
+
 TEST(StoredSteps, OfAMeshOnALatticeAreNoDoubtAndOfOneRoundedFarFromZeroAre) {
   Points corners;
   std::vector<Face> faces;
