@@ -292,5 +292,23 @@ TEST(XyzReader, AnXThatNeverFallsIsNotDoubtedAsATime) {
   }
 }
 
+TEST(XyzReader, RowsOfNineNumbersThatAreTrianglesAreSaid) {
+  const auto row = [](std::initializer_list<std::array<double, 2>> corners) {
+    std::string text;
+    for (const auto& [x, y] : corners) text += fmt::format("{:.4f} {:.4f} {:.5f} ", x, y, 0.02 * std::sin(20 * x) * y);
+    return text + "\n";
+  };
+  std::string triangles, epochs;
+  for (int k = 0; k < 400; ++k) {
+    const double x = 0.01 * (k % 20);
+    const double y = 0.01 * (k / 20);
+    triangles += row({{x, y}, {x + 0.01, y}, {x + 0.01, y + 0.01}});
+    triangles += row({{x, y}, {x + 0.01, y + 0.01}, {x, y + 0.01}});
+    epochs += row({{x, y}, {x + 0.0012, y + 0.0003}, {x + 0.0023, y + 0.0006}});
+  }
+  EXPECT_THAT(read_scan_bytes(triangles, "a.raw").warnings, ElementsAre(HasSubstr("corners of a triangle")));
+  EXPECT_THAT(read_scan_bytes(epochs, "a.txt").warnings, ::testing::IsEmpty()) << "three surveys of the same points";
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline
