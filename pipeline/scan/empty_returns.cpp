@@ -2,11 +2,14 @@
 #include "pipeline/scan/empty_returns.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <unordered_map>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "base/numbers/hash.h"
 #include "base/numbers/statistics.h"
 #include "pipeline/scan/drop.h"
 
@@ -29,28 +32,130 @@ std::vector<bool> flag_points_at_scanner(const RawScan& scan) {
   return at_scanner;
 }
 
-/// Flags the vertices at 0 0 0 when they are many and stand far from those that faces join them to.
-std::vector<bool> flag_spikes(const RawScan& scan) {
-  constexpr std::uint64_t kFewest = 4;
-  constexpr double kFar = 4.0;  // median edges
-  std::vector<bool> at_zero(scan.points.size());
-  for (std::size_t i = 0; i < at_zero.size(); ++i) at_zero[i] = is_at_scanner(scan.points[i], std::nullopt);
-  const auto count = static_cast<std::uint64_t>(std::count(at_zero.begin(), at_zero.end(), true));
-  // Where triangles share no vertices, one place has many.
-  const bool shared = 2 * scan.faces.size() > at_zero.size() - count;
-  if (!shared || count < kFewest || count <= at_zero.size() / kOneIn) return std::vector<bool>(at_zero.size(), false);
-  std::vector<double> to_zero;
-  std::vector<double> others;
-  for (const auto& face : scan.faces) {
+double edge_length(const RawScan& scan, const std::array<std::uint32_t, 3>& face, std::size_t k) {
+  return (scan.points[face[k]] - scan.points[face[(k + 1) % 3]]).norm();
+}
+
+/// Median of some edges, those of no length left out; 0 when there are none.
+double usual_edge(const RawScan& scan) {
+  constexpr std::size_t kFaces = 1U << 16;
+  const std::size_t stride = 1 + scan.faces.size() / kFaces;
+  std::vector<double> lengths;
+  for (std::size_t f = 0; f < scan.faces.size(); f += stride) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = face[k];
-      const std::uint32_t b = face[(k + 1) % 3];
-      const double length = (scan.points[a] - scan.points[b]).norm();
-      if (length > 0.0) (at_zero[a] || at_zero[b] ? to_zero : others).push_back(length);
+      if (const double length = edge_length(scan, scan.faces[f], k); length > 0.0) lengths.push_back(length);
     }
   }
-  const bool spikes = to_zero.empty() || (!others.empty() && median(to_zero) > kFar * median(others));
-  return spikes ? at_zero : std::vector<bool>(at_zero.size(), false);
+  return lengths.empty() ? 0.0 : median(lengths);
+}
+
+/// Places where vertices of a sample lie together within `apart`, the fullest first.
+std::vector<Eigen::Vector3d> crowded_places(const RawScan& scan, double apart) {
+  constexpr std::size_t kSampled = 1U << 16;
+  constexpr std::uint64_t kFewest = 2;
+  constexpr std::size_t kMostPlaces = 8;
+  using Cell = std::array<std::int64_t, 3>;
+  struct Hash {
+    std::size_t operator()(const Cell& cell) const { return static_cast<std::size_t>(hash_cell(cell)); }
+  };
+  struct Crowd {
+    std::size_t first = 0;  ///< vertex
+    std::uint64_t count = 0;
+  };
+  std::unordered_map<Cell, Crowd, Hash> crowds;
+  const std::size_t stride = (scan.points.size() / kSampled) | 1U;
+  for (std::size_t i = 0; i < scan.points.size(); i += stride) {
+    const Eigen::Array3d cell = ((scan.points[i] - scan.points[0]).array() / apart).floor();
+    if (!(cell.abs() < 9e18).all()) continue;
+    Crowd& crowd = crowds[{static_cast<std::int64_t>(cell[0]), static_cast<std::int64_t>(cell[1]),
+                           static_cast<std::int64_t>(cell[2])}];
+    if (crowd.count++ == 0) crowd.first = i;
+  }
+  std::vector<Crowd> fullest;
+  const std::uint64_t least = std::max<std::uint64_t>(kFewest, scan.points.size() / stride / (8 * kOneIn));
+  for (const auto& [cell, crowd] : crowds) {
+    if (crowd.count >= least) fullest.push_back(crowd);
+  }
+  std::sort(fullest.begin(), fullest.end(),
+            [](const Crowd& a, const Crowd& b) { return a.count != b.count ? a.count > b.count : a.first < b.first; });
+  if (fullest.size() > kMostPlaces) fullest.resize(kMostPlaces);
+  std::vector<Eigen::Vector3d> places;
+  for (const Crowd& crowd : fullest) places.push_back(scan.points[crowd.first]);
+  return places;
+}
+
+/// Whether vertices at one place make spikes: they are many, and stand far, in usual edges, from those that faces join
+/// them to. At a place that is not 0 0 0 most of those must be of the surface, with other faces too, unlike the rim of
+/// a cone whose apex has many copies.
+bool are_spikes(const RawScan& scan, const std::vector<bool>& there, double far, bool at_zero) {
+  constexpr std::uint64_t kFewest = 4;
+  const auto count = static_cast<std::uint64_t>(std::count(there.begin(), there.end(), true));
+  // Where triangles share no vertices, one place has many.
+  const bool shared = 2 * scan.faces.size() > there.size() - count;
+  if (!shared || count < kFewest || count <= there.size() / kOneIn) return false;
+  std::vector<double> to_place;
+  std::vector<double> others;
+  std::vector<bool> beside(there.size(), false);
+  std::vector<bool> elsewhere(there.size(), false);
+  bool any_face = false;
+  for (const auto& face : scan.faces) {
+    const bool touches = there[face[0]] || there[face[1]] || there[face[2]];
+    any_face = any_face || touches;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const bool from = there[face[k]];
+      const bool to = there[face[(k + 1) % 3]];
+      const double length = edge_length(scan, face, k);
+      if (length > 0.0 && !(from && to)) (from || to ? to_place : others).push_back(length);
+      if (!there[face[k]]) (touches ? beside : elsewhere)[face[k]] = true;
+    }
+  }
+  if (to_place.empty()) return at_zero || !any_face;
+  if (others.empty() || !(median(to_place) > far * median(others))) return false;
+  if (at_zero) return true;
+  std::uint64_t neighbours = 0;
+  std::uint64_t of_surface = 0;
+  for (std::size_t i = 0; i < beside.size(); ++i) {
+    neighbours += beside[i] ? 1 : 0;
+    of_surface += beside[i] && elsewhere[i] ? 1 : 0;
+  }
+  return 2 * of_surface >= neighbours;
+}
+
+/// Vertices that a camera wrote where it saw nothing, and the place of most of them.
+struct Spikes {
+  std::vector<bool> gone;
+  std::uint64_t at_zero = 0;
+  std::uint64_t elsewhere = 0;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+};
+
+/// At 0 0 0, and, where a mesh was moved or its vertices rounded, together at another place.
+Spikes find_spikes(const RawScan& scan) {
+  constexpr double kFarFromZero = 4.0;  // usual edges
+  constexpr double kFar = 10.0;
+  constexpr double kTogether = 0.01;
+  Spikes spikes;
+  spikes.gone.assign(scan.points.size(), false);
+  std::vector<bool> there(scan.points.size());
+  for (std::size_t i = 0; i < there.size(); ++i) there[i] = is_at_scanner(scan.points[i], std::nullopt);
+  if (are_spikes(scan, there, kFarFromZero, true)) {
+    spikes.gone = there;
+    spikes.at_zero = static_cast<std::uint64_t>(std::count(there.begin(), there.end(), true));
+  }
+  const double apart = kTogether * usual_edge(scan);
+  if (!(apart > 0.0)) return spikes;
+  for (const Eigen::Vector3d& place : crowded_places(scan, apart)) {
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i < there.size(); ++i) {
+      there[i] = !spikes.gone[i] && (scan.points[i] - place).cwiseAbs().maxCoeff() <= 2.0 * apart;
+      count += there[i] ? 1 : 0;
+    }
+    if (!are_spikes(scan, there, kFar, false)) continue;
+    for (std::size_t i = 0; i < there.size(); ++i) spikes.gone[i] = spikes.gone[i] || there[i];
+    if (spikes.elsewhere == 0) spikes.place = place;
+    spikes.elsewhere += count;
+  }
+  return spikes;
 }
 
 /// Flags the vertices of no face.
@@ -67,16 +172,22 @@ std::uint64_t count_of(const std::vector<bool>& flags) {
 }
 
 void drop_from_mesh(RawScan& scan) {
-  std::vector<bool> gone = flag_spikes(scan);
-  if (const std::uint64_t zeros = count_of(gone); zeros > 0) {
+  const Spikes spikes = find_spikes(scan);
+  std::vector<bool> gone = spikes.gone;
+  if (spikes.at_zero + spikes.elsewhere > 0) {
     const std::size_t before = scan.faces.size();
     std::erase_if(scan.faces, [&](const auto& face) {
       return std::any_of(face.begin(), face.end(), [&](std::uint32_t v) { return gone[v]; });
     });
-    scan.warnings.push_back(fmt::format(
-        "{} of {} vertices stand at 0 0 0, far from their neighbours, as depth cameras write them where they saw "
-        "nothing; they and the {} faces on them are left out, which leaves holes",
-        zeros, gone.size(), before - scan.faces.size()));
+    std::string where = "at 0 0 0";
+    if (spikes.elsewhere > 0) {
+      where = fmt::format("{}at {:.7g} {:.7g} {:.7g}", spikes.at_zero > 0 ? "at 0 0 0 and " : "together ",
+                          spikes.place.x(), spikes.place.y(), spikes.place.z());
+    }
+    scan.warnings.push_back(
+        fmt::format("{} of {} vertices stand {}, far from their neighbours, as depth cameras write them where they saw "
+                    "nothing; they and the {} faces on them are left out, which leaves holes",
+                    spikes.at_zero + spikes.elsewhere, gone.size(), where, before - scan.faces.size()));
   }
   const std::vector<bool> unused = flag_unused(scan);
   const std::uint64_t loose = count_of(unused) - count_of(gone);

@@ -157,6 +157,28 @@ bool is_height(const Surroundings& around, int axis) {
   return !across.empty() && median(across) > kAcross;
 }
 
+/// Whether few levels are those of rounded heights: about most places other levels are near, a step or two away, as
+/// they are neither on a plate nor on the treads of stairs and terraces.
+bool are_rounded_heights(const Surroundings& around, int axis, const Axis& heights, double step, double apart) {
+  constexpr std::size_t kFewestLevels = 4;  // a plate with its noise has three
+  constexpr double kHighest = 2.0;          // point distances; the risers of stairs are higher
+  constexpr double kNear = 2.5;             // the same
+  constexpr double kMost = 0.5;
+  if (heights.levels.size() < kFewestLevels || step > kHighest * apart) return false;
+  double places = 0.0;
+  double between = 0.0;
+  around.each([&](const std::vector<Eigen::Vector3d>& away) {
+    places += 1.0;
+    const bool other = std::any_of(away.begin(), away.end(), [&](const Eigen::Vector3d& v) {
+      Eigen::Vector3d across = v;
+      across[axis] = 0.0;
+      return std::abs(v[axis]) > 0.5 * step && across.norm() <= kNear * apart;
+    });
+    between += other ? 1.0 : 0.0;
+  });
+  return places > 0.0 && between >= kMost * places;
+}
+
 /// Some of the sample's places, each once: a function of its set.
 std::vector<Eigen::Vector3d> some_places(std::vector<Eigen::Vector3d> sample) {
   const auto less = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -232,11 +254,16 @@ std::optional<CoarseSteps> coarse_steps(std::vector<Eigen::Vector3d> sample, std
     found.step[axis] = step[axis];
     ++coarse;
   }
-  // One coordinate alone: lines of a scanner have steps along the surface; heights have many levels.
+  // One coordinate alone: lines of a scanner have steps along the surface; heights have many levels, or few that change
+  // from point to point.
   if (coarse == 1) {
     const auto axis =
         static_cast<std::size_t>(std::max_element(found.step.begin(), found.step.end()) - found.step.begin());
-    if (axes[axis].levels.size() < kFewest || !is_height(around, static_cast<int>(axis))) return std::nullopt;
+    if (!is_height(around, static_cast<int>(axis))) return std::nullopt;
+    if (axes[axis].levels.size() < kFewest &&
+        !are_rounded_heights(around, static_cast<int>(axis), axes[axis], step[axis], found.apart)) {
+      return std::nullopt;
+    }
   }
   return coarse >= (mesh ? 3U : 1U) ? std::optional(found) : std::nullopt;
 }

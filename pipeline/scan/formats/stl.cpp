@@ -53,9 +53,12 @@ std::uint64_t vertices_of(std::uint64_t triangles) { return triangles / 2 + 2; }
 
 std::uint64_t count_loops(const ScanFile& file) {
   std::uint64_t count = 0;
-  const std::string_view text = file.bytes;
-  for (std::size_t at = text.find("endloop"); at != std::string_view::npos; at = text.find("endloop", at + 7)) {
-    if ((++count & 0xFFFF) == 0) file.done_before(at);
+  LineReader lines(file.bytes);
+  std::string_view line;
+  while (lines.next(line)) {
+    const std::string_view word = take_word(line);
+    if (word.size() != 7 || (word[0] | 0x20) != 'e' || lower_case(word) != "endloop") continue;
+    if ((++count & 0xFFFF) == 0) file.done_before(lines.offset() - 1);
   }
   return count;
 }

@@ -7,6 +7,7 @@
 #include <random>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <Eigen/Geometry>
 
@@ -161,6 +162,39 @@ TEST(StoredSteps, OfARasterOrOfScanLinesAreNoDoubt) {
   Points millimetres = raster_relief(0.01);
   for (Eigen::Vector3d& p : millimetres) p *= 1000.0;
   EXPECT_THAT(doubts_of(rounded(millimetres, {1, 1, 0.01})), IsEmpty());
+}
+
+TEST(StoredSteps, OfHeightsAloneAreSaidThoughTheyAreFew) {
+  // A relief of 40 mm in steps of half a point's distance and of one: nine levels and five.
+  const auto steep = [](Points points, double step) {
+    for (Eigen::Vector3d& p : points) p.z() = step * std::round(relief(3.0 * p.x(), 3.0 * p.y()) / step);
+    return points;
+  };
+  for (const double step : {0.005, 0.01}) {
+    const Points points = steep(random_relief(8000, 12), step);
+    EXPECT_THAT(doubts_of(points), ElementsAre(AllOf(HasSubstr("z in steps of 0.0"), Not(HasSubstr("x in"))))) << step;
+    EXPECT_THAT(doubts_of(moved(points, {412345, 5654321, 0})), Contains(HasSubstr("z in steps of 0.0"))) << step;
+    EXPECT_THAT(doubts_of(steep(raster_relief(0.01), step)), Contains(HasSubstr("z in steps of 0.0"))) << step;
+  }
+}
+
+TEST(StoredSteps, OfPlatesStairsAndTerracesAreNoDoubt) {
+  std::mt19937 random(13);
+  std::uniform_real_distribution<double> unit(0, 1);
+  Points plate, noisy, stairs, low_stairs, terraces;
+  for (const Eigen::Vector3d& p : random_relief(8000, 14)) {  // 0.01 apart
+    plate.emplace_back(p.x(), p.y(), 0.5);
+    noisy.emplace_back(p.x(), p.y(), 0.005 * std::round(1.3 * unit(random) + 0.35));
+    stairs.emplace_back(p.x(), p.y(), 0.17 * std::floor(8.0 * p.x()));
+    low_stairs.emplace_back(p.x(), p.y(), 0.01 * std::floor(8.0 * p.x()));
+    const double r = std::hypot(p.x() - 0.5, p.y() - 0.4);
+    terraces.emplace_back(p.x(), p.y(), 0.005 * std::floor(6.0 * (1.0 - r)));
+  }
+  EXPECT_THAT(doubts_of(plate), IsEmpty());
+  EXPECT_THAT(doubts_of(noisy), IsEmpty());
+  EXPECT_THAT(doubts_of(stairs), IsEmpty());
+  EXPECT_THAT(doubts_of(low_stairs), IsEmpty());
+  EXPECT_THAT(doubts_of(terraces), IsEmpty());
 }
 
 TEST(StoredSteps, OfAMeshOnALatticeAreNoDoubtAndOfOneRoundedFarFromZeroAre) {
@@ -319,6 +353,68 @@ TEST(NoSurface, VerticesOfAMeshThroughTheOriginStay) {
   for (const std::size_t n : {220U, 441U, 442U, 443U, 444U, 445U, 446U}) seam.points[n].setZero();
   drop_what_is_no_surface(seam);
   EXPECT_EQ(seam.points.size(), 447U);
+}
+
+TEST(NoSurface, VerticesInBulkAtAnyOtherPlaceAreAHoleToo) {
+  std::mt19937 random(26);
+  std::normal_distribution<double> rounding(0.0, 1e-6);
+  // As other programs write what is missing, the camera's place in a moved mesh, and there with rounding.
+  for (const Eigen::Vector3d& shift : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(2, 3, 1), kUtm}) {
+    for (const Eigen::Vector3d& place :
+         {Eigen::Vector3d(-1, -1, -1), Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.05, 0.1, 0.4)}) {
+      for (const double off : {0.0, 1.0}) {
+        SCOPED_TRACE(fmt::format("shift {} place {} rounding {}", shift.x(), place.x(), off));
+        RawScan scan = square_mesh();
+        for (Eigen::Vector3d& p : scan.points) p += shift;
+        for (const std::uint32_t j : {9U, 10U, 11U})
+          for (const std::uint32_t i : {9U, 10U, 11U}) {
+            const Eigen::Vector3d noise(rounding(random), rounding(random), rounding(random));
+            scan.points[21 * j + i] = shift + place + off * noise;
+          }
+        drop_what_is_no_surface(scan);
+        EXPECT_EQ(scan.points.size(), 441U - 9U);
+        EXPECT_EQ(scan.faces.size(), 800U - 30U);
+        for (const Eigen::Vector3d& p : scan.points) EXPECT_NEAR(p.z(), shift.z() - 0.6, 1e-9);
+        EXPECT_THAT(scan.warnings, ElementsAre(AllOf(HasSubstr("9 of 441 vertices stand"), HasSubstr("30 faces"))));
+      }
+    }
+  }
+  RawScan empty = square_mesh();
+  for (Eigen::Vector3d& p : empty.points) p += Eigen::Vector3d(2, 3, 1);
+  empty.points.resize(4410, Eigen::Vector3d(2, 3, 1));
+  drop_what_is_no_surface(empty);
+  EXPECT_EQ(empty.points.size(), 441U);
+}
+
+TEST(NoSurface, VerticesTogetherThatBelongToTheSurfaceStay) {
+  // A fine detail, 441 vertices within a hundredth of an edge, joined to large triangles.
+  RawScan detail = square_mesh();
+  const auto first = static_cast<std::uint32_t>(detail.points.size());
+  const RawScan fine = square_mesh();
+  for (const Eigen::Vector3d& p : fine.points) {
+    detail.points.emplace_back(Eigen::Vector3d(0.21, 0.2, -0.6) + 1e-4 * (p + Eigen::Vector3d(0, 0, 0.6)));
+  }
+  for (const auto& [a, b, c] : fine.faces) detail.faces.push_back({a + first, b + first, c + first});
+  for (std::uint32_t k = 0; k < 20; ++k) detail.faces.push_back({440, first + 21 * k, first + 21 * (k + 1)});
+  drop_what_is_no_surface(detail);
+  EXPECT_EQ(detail.points.size(), 882U);
+  EXPECT_THAT(detail.warnings, IsEmpty());
+  // A steep cone whose apex has a copy for each of its 200 sectors, with and without collapsed triangles, on a sheet.
+  for (const bool lathe : {false, true}) {
+    RawScan cone = square_mesh();
+    const auto apex = static_cast<std::uint32_t>(cone.points.size());
+    for (int k = 0; k < 200; ++k) cone.points.emplace_back(0.0, 0.0, 1.0);
+    for (int k = 0; k < 200; ++k)
+      cone.points.emplace_back(0.2 * std::cos(k * 0.0314), 0.2 * std::sin(k * 0.0314), -0.6);
+    for (std::uint32_t k = 0; k < 200; ++k) {
+      const std::uint32_t next = (k + 1) % 200;
+      cone.faces.push_back({apex + k, apex + 200 + k, apex + 200 + next});
+      if (lathe) cone.faces.push_back({apex + k, apex + 200 + next, apex + next});
+    }
+    drop_what_is_no_surface(cone);
+    EXPECT_EQ(cone.points.size(), 841U);
+    EXPECT_THAT(cone.warnings, IsEmpty());
+  }
 }
 
 TEST(NoSurface, VerticesOfNoFaceAreLeftOutAndSaidUnlessMostAre) {

@@ -1,5 +1,6 @@
 // Meshes that somebody refuses by their size: what is counted is what the file has, and no more is kept than was
 // allowed.
+#include <cctype>
 #include <cstring>
 #include <string>
 
@@ -75,6 +76,9 @@ TEST(MeshRefusal, OfAFileThatSaysItsSizeComesBeforeItsBody) {
   std::string ascii = "solid a\n";
   for (int k = 0; k < 6; ++k) ascii += "facet normal 0 0 1\nouter loop\nvertex no number\nendloop\nendfacet\n";
   EXPECT_EQ(refused(ascii, "a.stl", 5), (Size{5, 6}));
+  std::string capitals;
+  for (const char c : ascii) capitals += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  EXPECT_EQ(refused(capitals, "a.stl", 5), (Size{5, 6}));
 }
 
 TEST(MeshRefusal, IsNotAskedOfPoints) {

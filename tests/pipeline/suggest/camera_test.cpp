@@ -9,6 +9,7 @@
 
 #include "pipeline/suggest/range_image.h"
 #include "pipeline/suggest/view.h"
+#include "tests/support/scan_files.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -110,6 +111,13 @@ TEST(CameraFrame, AFlatThingBeforeTheOriginStandsUpright) {
   EXPECT_EQ(view.up, Eigen::Vector3d(0, -1, 0));
   // Formats whose z is up have no such frame.
   EXPECT_EQ(guess(scan_of(points, "LAS 1.2 pf3")).up, Eigen::Vector3d(0, 1, 0));
+}
+
+TEST(CameraFrame, TheReportedCloudStandsUpright) {
+  SPARSHA_REAL_SCANS_OR_SKIP(folder);
+  const View view = guess(read_scan(folder / "reported" / "r35_camera_frame.ply"));
+  EXPECT_EQ(view.look_from, Eigen::Vector3d(0, 0, -1));
+  EXPECT_EQ(view.up, Eigen::Vector3d(0, -1, 0));
 }
 
 TEST(CameraFrame, OrdinaryScansAreNotTurned) {

@@ -48,12 +48,14 @@ void require_plausible(const ScanFile& file, int line, const Raster& raster, std
 }
 
 HeightReader::HeightReader(const ScanFile& file, ScanWriter& out, const Raster& raster, double no_data)
-    : file_(file), out_(out), raster_(raster), no_data_(no_data) {
+    : file_(file), out_(out), raster_(raster), no_data_(no_data), values_(file.bytes) {
   row_.reserve(static_cast<std::size_t>(raster.columns));
 }
 
 void HeightReader::read(LineReader& lines, std::string_view first) {
   const std::string promised = fmt::format("{} rows of {} values", raster_.rows, raster_.columns);
+  values_ = lines;
+  first_values_ = first;
   out_.begin(raster_.columns * raster_.rows, false, false);
   out_.scan().cell = {std::abs(raster_.dx), std::abs(raster_.dy)};
   bool comma = false, point = false;
@@ -88,6 +90,7 @@ void HeightReader::read(LineReader& lines, std::string_view first) {
     throw file_.error_at(line, fmt::format("the grid ends after {} of {} rows", rows_, raster_.rows),
                          promised + "; the file may be cut short");
   }
+  tell_unlisted_no_data();
   doubt_lengths();
 }
 
@@ -110,10 +113,53 @@ void HeightReader::check_row_end(bool at_line_end, int line, std::uint64_t found
                        fmt::format("{} values in each row", raster_.columns));
 }
 
+bool HeightReader::is_no_data(double value) const { return static_cast<float>(value) == static_cast<float>(no_data_); }
+
+/// Goes through all values when the first one is met that may be no data.
+bool HeightReader::is_unlisted_no_data(double value) {
+  if (!NoDataValues::is_candidate(value)) return false;
+  if (!looked_for_unlisted_) {
+    looked_for_unlisted_ = true;
+    LineReader lines = values_;
+    std::string_view line = first_values_;
+    bool comma = false, point = false;
+    std::size_t told = lines.offset();
+    do {
+      for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) {
+        double other = 0.0;
+        if (parse_value(word, other, comma, point) && !is_no_data(other)) unlisted_.add(other);
+      }
+      if (lines.offset() - told > (1U << 22)) {
+        told = lines.offset();
+        file_.throw_if_cancelled();
+      }
+    } while (lines.next(line));
+    unlisted_.decide();
+  }
+  if (!unlisted_.contains(value)) return false;
+  const auto found = std::find_if(unlisted_counts_.begin(), unlisted_counts_.end(),
+                                  [&](const auto& entry) { return entry.first == value; });
+  if (found == unlisted_counts_.end()) {
+    unlisted_counts_.emplace_back(value, 1);
+  } else {
+    ++found->second;
+  }
+  return true;
+}
+
+void HeightReader::tell_unlisted_no_data() {
+  for (const auto& [value, count] : unlisted_counts_) {
+    out_.scan().warnings.push_back(fmt::format(
+        "{} of {} values of the grid are {:.10g}, far from all others, as unknown heights are written, though the "
+        "header does not say so; they are taken as unknown",
+        count, raster_.columns * raster_.rows, value));
+  }
+}
+
 void HeightReader::add_value(double value) {
-  const bool no_data = static_cast<float>(value) == static_cast<float>(no_data_);
+  const bool no_data = is_no_data(value);
   if (no_data) ++no_data_count_;
-  const bool known = !no_data && std::abs(value) < kBlanked;
+  const bool known = !no_data && std::abs(value) < kBlanked && !is_unlisted_no_data(value);
   const double x = raster_.x + raster_.dx * static_cast<double>(row_.size());
   const double y = raster_.y + raster_.dy * static_cast<double>(rows_);
   known ? out_.add(x, y, value) : out_.add_invalid();

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pipeline/scan/file.h"
+#include "pipeline/scan/formats/text/no_data.h"
 #include "pipeline/scan/text.h"
 #include "pipeline/scan/writer.h"
 
@@ -26,7 +28,8 @@ void require_plausible(const ScanFile& file, int line, const Raster& raster, std
 
 /// Reads a raster's values, row by row, into points and triangles. A row may go on over several lines, but when the
 /// first ends where a line ends, all must. Values are unknown, invalid records without triangles, where they are not
-/// finite, of 1e30 and more, or `no_data` (NaN: no such value) as a float32. Throws Error{input} with the line of a
+/// finite, of 1e30 and more, or `no_data` (NaN: no such value) as a float32; and where they are another usual value for
+/// unknown heights, in bulk and far from all others, which a warning says. Throws Error{input} with the line of a
 /// value that is none, of a row that is too short or too long, and where the file ends early.
 class HeightReader {
  public:
@@ -38,6 +41,9 @@ class HeightReader {
 
  private:
   void add_value(double value);
+  [[nodiscard]] bool is_no_data(double value) const;
+  [[nodiscard]] bool is_unlisted_no_data(double value);
+  void tell_unlisted_no_data();
   void end_row();
   void add_cell(std::uint64_t column);
   void check_row_end(bool at_line_end, int line, std::uint64_t found);
@@ -53,7 +59,12 @@ class HeightReader {
   bool by_lines_ = false;             ///< the first row ended where a line ends
   bool one_line_ = false;             ///< and was one line
   std::uint64_t no_data_count_ = 0;
-  std::vector<double> steps_;  ///< of neighbouring heights, a sample without zeros
+  LineReader values_;              ///< before the first value
+  std::string_view first_values_;  ///< and what is left of its line
+  NoDataValues unlisted_;          ///< all values, once one of them may be no data
+  bool looked_for_unlisted_ = false;
+  std::vector<std::pair<double, std::uint64_t>> unlisted_counts_;  ///< values that were taken as no data
+  std::vector<double> steps_;                                      ///< of neighbouring heights, a sample without zeros
 };
 
 }  // namespace sparsha::pipeline::grid

@@ -4,8 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
+#include "base/text/lower_case.h"
 #include "pipeline/scan/formats/obj/materials.h"
 #include "pipeline/scan/formats/obj/statements.h"
+#include "pipeline/scan/formats/text/header.h"
 #include "pipeline/scan/scalar.h"
 #include "pipeline/scan/text.h"
 
@@ -40,6 +44,9 @@ class Reader {
         vertex(statement, statements.number());
       } else if (statement[0] == 'f' && statement.size() > 1 && is_blank(statement[1])) {
         face(statement, statements.number());
+        ++faces_;
+      } else {
+        count_other(statement);
       }
       if (statements.offset() - told > (1U << 22)) {
         told = statements.offset();
@@ -51,6 +58,8 @@ class Reader {
     if (swapped_ > 0) {
       scan.warnings.push_back(std::to_string(swapped_) + " numbers like '3.1+e2' were read as '3.1e+2'");
     }
+    take_unit_of_remarks();
+    tell_others();
     if (uncoloured_ > 0) {
       scan.warnings.push_back("only some vertices have colours; " + std::to_string(uncoloured_) + " have none");
     }
@@ -77,6 +86,72 @@ class Reader {
     scan.fields = {"x", "y", "z"};
     if (colour_) scan.fields.insert(scan.fields.end(), {"red", "green", "blue"});
     out_.begin(0, colour_ || paint_.any(), false);
+  }
+
+  /// Elements that are no faces.
+  void count_other(std::string_view statement) {
+    for (std::size_t k = 0; k < kOthers.size(); ++k)
+      others_[k] += obj::begins_with(statement, kOthers[k].keyword) ? 1 : 0;
+  }
+
+  /// Lines and points beside faces are what modellers leave behind; without faces they may be all that was meant.
+  void tell_others() {
+    RawScan& scan = out_.scan();
+    std::string words;
+    bool surface = false;
+    for (std::size_t k = 0; k < kOthers.size(); ++k) {
+      if (others_[k] == 0) continue;
+      words +=
+          fmt::format("{}{} {} ('{}')", words.empty() ? "" : ", ", others_[k], kOthers[k].name, kOthers[k].keyword);
+      surface = surface || kOthers[k].surface;
+    }
+    if (words.empty()) return;
+    const std::string text = "not used: " + words + "; ";
+    if (surface) {
+      scan.warnings.push_back(text + "their control points are taken as points; export the surface as triangles");
+    } else if (faces_ > 0) {
+      scan.notes.push_back(text + "the faces are the surface");
+    } else if (others_[0] > 0) {
+      scan.warnings.push_back(text + "the file has no faces, and its vertices are taken as points");
+    } else {
+      scan.notes.push_back(text + "all vertices are points");
+    }
+  }
+
+  /// "# File units = mm" and the like, before the first vertex.
+  void take_unit_of_remarks() {
+    LineReader lines(file_.bytes.substr(0, 1 << 16));
+    std::string_view line;
+    while (lines.next(line)) {
+      const char* const begin = skip_blanks(line.data(), line.data() + line.size());
+      line.remove_prefix(static_cast<std::size_t>(begin - line.data()));
+      if (is_vertex(line)) return;
+      if (line.empty() || line[0] != '#') continue;
+      const std::string word = unit_in(lower_case(line));
+      const NamedUnit unit = unit_named(word);
+      if (unit == NamedUnit::none) continue;
+      RawScan& scan = out_.scan();
+      scan.unit = length_of(unit);
+      if (scan.unit) {
+        scan.notes.push_back("the unit is that of a remark on line " + std::to_string(lines.number()));
+      } else {
+        scan.warnings.push_back("a remark gives the coordinates in " + in_quotes(word) +
+                                ", which no 'units' can be; they are not converted");
+      }
+      return;
+    }
+  }
+
+  /// The word that a remark, in lower case, gives as its unit; empty when it gives none.
+  static std::string unit_in(std::string_view remark) {
+    std::size_t at = remark.find("unit");
+    if (at == std::string_view::npos) return {};
+    at += remark.substr(at).starts_with("units") ? 5 : 4;
+    std::string_view rest = remark.substr(at);
+    const std::size_t begin = rest.find_first_not_of(" \t");
+    if (begin == std::string_view::npos || (rest[begin] != '=' && rest[begin] != ':')) return {};
+    rest.remove_prefix(begin + 1);
+    return std::string(take_word(rest));
   }
 
   /// Numbers behind the keyword, at most seven.
@@ -137,10 +212,23 @@ class Reader {
     out_.add_polygon(corners_);
   }
 
+  struct Other {
+    std::string_view keyword;
+    std::string_view name;
+    bool surface;  ///< whose vertices are control points
+  };
+  static constexpr std::array<Other, 5> kOthers = {{{"l", "lines", false},
+                                                    {"p", "points", false},
+                                                    {"curv", "curves", true},
+                                                    {"curv2", "curves", true},
+                                                    {"surf", "surfaces", true}}};
+
   const ScanFile& file_;
   ScanWriter& out_;
   Paint paint_;
   std::array<double, 7> values_{};
+  std::array<std::uint64_t, kOthers.size()> others_{};
+  std::uint64_t faces_ = 0;
   std::vector<std::uint32_t> corners_;
   std::uint64_t vertices_ = 0;
   bool colour_ = false;

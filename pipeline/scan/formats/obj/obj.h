@@ -1,4 +1,5 @@
-// Wavefront OBJ: vertices, their colours and faces; everything else is passed over.
+// Wavefront OBJ: vertices, their colours and faces. Other elements are counted and said, and a remark
+// may give the unit.
 #pragma once
 
 #include "pipeline/scan/file.h"

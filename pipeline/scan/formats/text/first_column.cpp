@@ -51,14 +51,17 @@ bool FirstColumn::is_number() const {
   return rows_ >= kFewestUnordered && !rest_whole_ && would_repeat && none_does && x_.size() + 1.0 >= rows;
 }
 
-bool FirstColumn::is_time() const {
+// A time has three columns behind it.
+bool FirstColumn::is_even_time() const {
   constexpr double kEven = 0.95;
   constexpr double kToAndFro = 4.0;  // sizes of the scan that its points go
   const auto steps = static_cast<double>(rows_ - 1);
   const auto wanders = [&](const Range& range) { return range.way > kToAndFro * range.size() && range.size() > 0.0; };
-  return rows_ >= kFewestUnordered && rising_ && static_cast<double>(even_) >= kEven * steps &&
-         (wanders(y_) || wanders(z_));
+  return any_next_ && rows_ >= kFewestUnordered && rising_ && static_cast<double>(even_) >= kEven * steps &&
+         (wanders(y_) || wanders(z_)) && !time_.is_profile_or_lattice();
 }
+
+bool FirstColumn::is_time() const { return any_next_ && rows_ >= kFewestUnordered && falls_ == 0 && time_.sweeps(); }
 
 bool FirstColumn::is_angle() const {
   constexpr double kEven = 0.95;
@@ -77,9 +80,11 @@ std::string FirstColumn::doubt() const {
   if (is_number()) {
     what = fmt::format("holds whole numbers that {} ({:.0f} to {:.0f}), as points are numbered",
                        rising_ ? "rise from row to row" : "never repeat", x_.low, x_.high);
-  } else if (rows_ > 1 && is_time()) {
+  } else if (rows_ > 1 && is_even_time()) {
     what = fmt::format("rises evenly by {:.3g} from row to row while the others go to and fro, as a time does",
                        x_.size() / static_cast<double>(rows_ - 1));
+  } else if (is_time()) {
+    what = "never falls while the others go to and fro in small steps, as a time does";
   } else if (rows_ > 1 && is_angle()) {
     what = fmt::format("goes around from {:.4g} to {:.4g} again and again, as an angle does", x_.low, x_.high);
   } else {

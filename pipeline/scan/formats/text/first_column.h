@@ -1,17 +1,20 @@
 // The first column of a table without names, taken as x: whether it is rather a number, a time or an angle.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <unordered_map>
 
+#include "pipeline/scan/formats/text/time_column.h"
+
 namespace sparsha::pipeline {
 
 class FirstColumn {
  public:
-  /// One row's point, in the file's order.
-  void add(double x, double y, double z) {
+  /// One row's point, in the file's order, and the value behind it; not a number when there is none.
+  void add(double x, double y, double z, double next) {
     if (rows_ > 0) step(x, y, z);
     if (rows_++ == 0) first_ = x;
     whole_ = whole_ && is_whole(x);
@@ -20,6 +23,8 @@ class FirstColumn {
     y_.add(y);
     z_.add(z);
     if (whole_) count_value(x);
+    any_next_ = any_next_ || !std::isnan(next);
+    time_.add({x, y, z, next});
     last_x_ = x;
     last_y_ = y;
     last_z_ = z;
@@ -45,6 +50,7 @@ class FirstColumn {
   void step(double x, double y, double z);
   void count_value(double x);
   [[nodiscard]] bool is_number() const;
+  [[nodiscard]] bool is_even_time() const;
   [[nodiscard]] bool is_time() const;
   [[nodiscard]] bool is_angle() const;
 
@@ -55,6 +61,8 @@ class FirstColumn {
   std::uint64_t falls_ = 0;  ///< steps down
   std::uint64_t even_ = 0;   ///< steps like the first one
   double first_ = 0.0, first_step_ = 0.0;
+  bool any_next_ = false;  ///< columns behind z
+  TimeColumn time_;
   double last_x_ = 0.0, last_y_ = 0.0, last_z_ = 0.0;
   Range x_, y_, z_;
   /// How often some of the whole values came, chosen by their hashes, so that it is counted for good.

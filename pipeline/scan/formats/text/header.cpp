@@ -202,6 +202,18 @@ TableHeader header_of_lines(const std::vector<std::string_view>& lines) {
   return header;
 }
 
+std::optional<scene::LengthUnit> length_of(NamedUnit unit) {
+  constexpr std::pair<NamedUnit, scene::LengthUnit> kLengths[] = {{NamedUnit::metre, scene::LengthUnit::m},
+                                                                  {NamedUnit::centimetre, scene::LengthUnit::cm},
+                                                                  {NamedUnit::millimetre, scene::LengthUnit::mm},
+                                                                  {NamedUnit::foot, scene::LengthUnit::ft},
+                                                                  {NamedUnit::us_foot, scene::LengthUnit::us_ft}};
+  for (const auto& [name, length] : kLengths) {
+    if (unit == name) return length;
+  }
+  return std::nullopt;
+}
+
 HeaderUnit unit_of(const TableHeader& header) {
   HeaderUnit result;
   NamedUnit first = NamedUnit::none;
@@ -218,14 +230,7 @@ HeaderUnit unit_of(const TableHeader& header) {
   }
   if (header.columns.degrees) return {};
   if (differ) result.several = words;
-  constexpr std::pair<NamedUnit, scene::LengthUnit> kLengths[] = {{NamedUnit::metre, scene::LengthUnit::m},
-                                                                  {NamedUnit::centimetre, scene::LengthUnit::cm},
-                                                                  {NamedUnit::millimetre, scene::LengthUnit::mm},
-                                                                  {NamedUnit::foot, scene::LengthUnit::ft},
-                                                                  {NamedUnit::us_foot, scene::LengthUnit::us_ft}};
-  for (const auto& [unit, length] : kLengths) {
-    if (!differ && first == unit) result.unit = length;
-  }
+  if (!differ) result.unit = length_of(first);
   return result;
 }
 

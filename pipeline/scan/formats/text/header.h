@@ -39,6 +39,9 @@ struct HeaderUnit {
 };
 [[nodiscard]] HeaderUnit unit_of(const TableHeader& header);
 
+/// The length that configurations have for a unit.
+[[nodiscard]] std::optional<scene::LengthUnit> length_of(NamedUnit unit);
+
 /// True for a line such as "m,m,m" below a header: its units go into the header.
 [[nodiscard]] bool add_units_row(std::string_view line, TableHeader& header);
 

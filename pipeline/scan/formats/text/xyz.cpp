@@ -16,6 +16,7 @@
 #include "pipeline/scan/formats/text/layout.h"
 #include "pipeline/scan/formats/text/no_data.h"
 #include "pipeline/scan/formats/text/rows.h"
+#include "pipeline/scan/formats/text/triangle_rows.h"
 #include "pipeline/scan/look_alikes.h"
 #include "pipeline/scan/text.h"
 
@@ -145,12 +146,23 @@ class Reader {
     }
     if (columns().has_normals()) set_normal(row);
     if (columns().by == TextTable::By::position) {
-      first_column_.add(value(columns().x), value(columns().y), value(columns().z));
+      first_column_.add(value(columns().x), value(columns().y), value(columns().z), number_behind(row));
+      if (row.count == 9) {
+        TriangleRows::Row nine{};
+        std::copy_n(row.values.begin(), nine.size(), nine.begin());
+        triangle_rows_.add(nine);
+      }
     }
     out_.add(value(columns().x), value(columns().y), z, rgba,
              has(columns().intensity) ? static_cast<float>(value(columns().intensity)) : kNoIntensity);
     ++rows_;
     ++rows_of_block_;
+  }
+
+  /// The number behind z; not a number where there is none.
+  [[nodiscard]] double number_behind(const TableRow& row) const {
+    const int column = columns().z + 1;
+    return row.has_number(column) ? row.values[static_cast<std::size_t>(column)] : kNaN;
   }
 
   /// Pictures that show the point.
@@ -275,7 +287,9 @@ class Reader {
   /// What a reader of the result should know.
   void tell() {
     RawScan& scan = out_.scan();
-    if (const std::string doubt = first_column_.doubt(); !doubt.empty()) scan.warnings.push_back(doubt);
+    for (const std::string& doubt : {first_column_.doubt(), triangle_rows_.doubt()}) {
+      if (!doubt.empty()) scan.warnings.push_back(doubt);
+    }
     if (longer_ > 0 && !columns().rows_vary) {
       scan.warnings.push_back(std::to_string(longer_) + (longer_ == 1 ? " row has" : " rows have") +
                               " more values than most; the first " + std::to_string(columns().usual) + " are taken");
@@ -298,6 +312,7 @@ class Reader {
   ScanWriter& out_;
   TableLayout layout_;
   FirstColumn first_column_;
+  TriangleRows triangle_rows_;
   std::size_t needed_ = 3;
   std::vector<std::pair<int, int>> fields_;  ///< columns that somebody asks for, and their slots
   std::uint64_t rows_ = 0;

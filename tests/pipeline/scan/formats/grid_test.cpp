@@ -16,6 +16,8 @@
 namespace sparsha::pipeline {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::ElementsAre;
 using testing::error_of_bytes;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -259,6 +261,58 @@ TEST(SurferGrid, RefusesDamageWithItsLine) {
   refuse("DSAA\n4 3\n10 16\n20 24\n0 1\n1 2 3 4\n5 6 7\n9 10 11 12\n", 7, "row 2 of the grid has 3 values");
   refuse("DSAA\n4 3\n10 16\n20 24\n0 1\n1 2 3 4\n5 6 7 8\n", 7, "the grid ends after 2 of 3 rows");
   refuse("DSAA\n40000 30000\n10 16\n20 24\n0 1\n1 2 3 4\n", 5, "values cannot be in the");
+}
+
+/// 12 x 10 heights of 100 to 112 m with a hole of six.
+Grid grid_with_hole() {
+  Grid grid;
+  grid.columns = 12;
+  grid.rows = 10;
+  grid.z.clear();
+  for (int k = 0; k < 120; ++k) grid.z.push_back(100.0 + k % 12 + 0.5 * (k / 12 % 2));
+  for (const std::size_t k : {40U, 41U, 42U, 52U, 53U, 54U}) grid.z[k] = kNaN;
+  return grid;
+}
+
+TEST(Grids, AnotherUsualValueThanTheHeadersIsUnknownAndSaid) {
+  const Grid grid = grid_with_hole();
+  const std::string esri = "ncols 12\nnrows 10\nxllcorner 9\nyllcorner 19\ncellsize 2\n";
+  const std::string surfer = "DSAA\n12 10\n10 32\n20 38\n100 112\n";
+  const auto expect_said = [&](const std::string& text, const std::string& value) {
+    const RawScan scan = read_scan_bytes(text, "a.grd");
+    expect_grid(scan, grid, text);
+    EXPECT_THAT(scan.warnings, ElementsAre(AllOf(HasSubstr("6 of 120 values"), HasSubstr(value), HasSubstr("unknown"))))
+        << text;
+  };
+  expect_said(esri + "NODATA_value -9999\n" + rows_of(grid, true, "-32768"), "-32768");
+  expect_said(esri + "NODATA_value -9999\n" + rows_of(grid, true, "-99999.000"), "-99999");
+  expect_said(esri + "NODATA_value -32768\n" + rows_of(grid, true, "-9999"), "-9999");
+  expect_said(esri + rows_of(grid, true, "-32767"), "-32767");
+  for (const char* value : {"-9999", "-9999.0", "9999", "-32768"}) {
+    expect_said(surfer + rows_of(grid, false, value), std::to_string(std::stoi(value)));
+  }
+  // Beside the header's own.
+  Grid both = grid;
+  both.z[0] = kNaN;
+  const std::string text = esri + "NODATA_value -9999\n" + rows_of(both, true, "-32768");
+  const RawScan scan =
+      read_scan_bytes(text.substr(0, text.rfind("\n", text.size() - 2) + 1) +
+                          replaced(text.substr(text.rfind("\n", text.size() - 2) + 1), "-32768", "-9999"),
+                      "a.asc");
+  expect_grid(scan, both, text);
+  EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("6 of 120 values")));
+}
+
+TEST(Grids, HeightsThatAreUsualValuesButBelongToTheOthersStay) {
+  Grid grid = grid_with_hole();
+  const std::string head = "ncols 12\nnrows 10\nxllcorner 9\nyllcorner 19\ncellsize 2\nNODATA_value -1\n";
+  for (double& z : grid.z) z = std::isnan(z) ? 9999.0 : z + 9890.0;
+  EXPECT_THAT(read_scan_bytes(head + rows_of(grid, true, ""), "a.asc").warnings, IsEmpty()) << "a mountain";
+  expect_grid(read_scan_bytes(head + rows_of(grid, true, ""), "a.asc"), grid, "");
+  grid = grid_with_hole();
+  for (double& z : grid.z) z = std::isnan(z) ? 100.0 : z;
+  grid.z[7] = grid.z[80] = -9999.0;
+  EXPECT_EQ(read_scan_bytes(head + rows_of(grid, true, ""), "a.asc").invalid, 0U) << "twice is chance";
 }
 
 }  // namespace

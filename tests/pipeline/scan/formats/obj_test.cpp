@@ -6,9 +6,11 @@
 namespace sparsha::pipeline {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using testing::expect_refused;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using testing::ScanFolder;
 using Face = std::array<std::uint32_t, 3>;
 
@@ -80,6 +82,39 @@ TEST(ObjReader, RefusesBrokenLinesWithTheirNumber) {
   refuse("v 1 2 3\nf 1 2.5 3\n", 2, "'2.5' is no vertex");
   refuse("# nothing\nf -4 -3 -2", 0, "no vertices");
   refuse(std::string("\xFE\xFF\0v\0 \0001", 8), 0, "UTF-16");
+}
+
+TEST(ObjReader, ElementsThatAreNoFacesAreSaid) {
+  const ScanFolder folder;
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n";
+  EXPECT_THAT(folder.read("l.obj", vertices + "l 1 2 3\nl 3 4\n").warnings,
+              ElementsAre(AllOf(HasSubstr("2 lines ('l')"), HasSubstr("no faces"))));
+  EXPECT_THAT(folder.read("s.obj", vertices + "f 1 2 3\ncstype bspline\ndeg 3 3\nsurf 0 1 0 1 1 2 3 4\nend\n").warnings,
+              ElementsAre(AllOf(HasSubstr("1 surfaces ('surf')"), HasSubstr("control points"))));
+  EXPECT_THAT(folder.read("c.obj", vertices + "curv 0 1 1 2 3 4\n").warnings, ElementsAre(HasSubstr("'curv'")));
+  const RawScan points = folder.read("p.obj", vertices + "p 1 2 3 4\n");
+  EXPECT_THAT(points.warnings, IsEmpty());
+  EXPECT_THAT(points.notes, ElementsAre(HasSubstr("1 points ('p')")));
+  const RawScan edges = folder.read("e.obj", vertices + "f 1 2 3\nl 2 4\n");
+  EXPECT_THAT(edges.warnings, IsEmpty());
+  EXPECT_THAT(edges.notes, ElementsAre(HasSubstr("1 lines ('l')")));
+}
+
+TEST(ObjReader, TheUnitOfARemarkIsTakenOrSaid) {
+  const ScanFolder folder;
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const auto read = [&](const std::string& remark) { return folder.read("u.obj", remark + "\n" + vertices); };
+  EXPECT_EQ(read("# File units = millimeters").unit, scene::LengthUnit::mm);
+  EXPECT_EQ(read("# made\n#  Units: cm").unit, scene::LengthUnit::cm);
+  EXPECT_EQ(read("# unit=ft").unit, scene::LengthUnit::ft);
+  const RawScan inches = read("# File units = inches");
+  EXPECT_EQ(inches.unit, std::nullopt);
+  EXPECT_THAT(inches.warnings, ElementsAre(AllOf(HasSubstr("'inches'"), HasSubstr("not converted"))));
+  for (const char* other : {"# 4 united parts", "# units unknown", "# Units: generic", "# unit test of mm"}) {
+    const RawScan scan = read(other);
+    EXPECT_EQ(scan.unit, std::nullopt) << other;
+    EXPECT_THAT(scan.warnings, IsEmpty()) << other;
+  }
 }
 
 }  // namespace

@@ -1,8 +1,11 @@
 // Columns of numbers: every separator, header and meaning of columns.
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <numeric>
 #include <random>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "tests/support/scan_files.h"
@@ -186,6 +189,125 @@ TEST(XyzReader, AFirstColumnThatIsXIsNotDoubted) {
   for (const std::string& text : {raster, millimetres, scattered}) EXPECT_EQ(doubt_of(text), "");
   EXPECT_EQ(doubt_of(sorted), "") << "sorted by x, but unevenly";
   EXPECT_EQ(doubt_of("x y z\n" + rows_with([](int k) { return std::to_string(k); })), "") << "the file says so";
+}
+
+/// A relief in rows of 40 that a scanner swept over: place k of 1600 as x, y and z, off its lattice by chance.
+class SweptRelief {
+ public:
+  explicit SweptRelief(unsigned seed) : random_(seed) {}
+
+  [[nodiscard]] double chance(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random_);
+  }
+  [[nodiscard]] Eigen::Vector3d at(int k) {
+    const double x = 0.01 * (k % 40) + chance(-0.003, 0.003);
+    const double y = 0.01 * (k / 40) + chance(-0.003, 0.003);
+    return {x, y, 0.02 * std::sin(25 * x) * std::cos(20 * y) + 0.03 * x};
+  }
+  /// `first(k)` before x, y and z, and `behind(k)` after them.
+  template <typename First, typename Behind>
+  [[nodiscard]] std::string rows(const First& first, const Behind& behind) {
+    std::string text;
+    for (int k = 0; k < 1600; ++k) {
+      const Eigen::Vector3d p = at(k);
+      text += fmt::format("{:.7f} {:.5f} {:.5f} {:.5f}{}\n", first(k), p.x(), p.y(), p.z(), behind(k));
+    }
+    return text;
+  }
+
+ private:
+  std::mt19937 random_;
+};
+
+TEST(XyzReader, AFirstColumnThatNeverFallsIsDoubtedAsATimeWhateverItsSteps) {
+  SweptRelief relief(33);
+  const auto nothing = [](int) { return std::string(); };
+  const auto intensity = [&](int) { return fmt::format(" {:.2f}", relief.chance(0, 2000)); };
+  const auto is_time = [](const std::string& text) {
+    return doubt_of(text).find("as a time does") != std::string::npos;
+  };
+  double time = 250312.1;
+  const auto uneven = [&](int) { return time += relief.chance(5e-6, 3e-5); };
+  EXPECT_TRUE(is_time(relief.rows(uneven, nothing)));
+  EXPECT_TRUE(is_time(relief.rows(uneven, intensity)));
+  EXPECT_TRUE(is_time(relief.rows([&](int) { return time += relief.chance(0, 1) < 0.25 ? 2e-5 : 1e-5; }, nothing)))
+      << "a quarter of the shots has no return";
+  EXPECT_TRUE(
+      is_time(relief.rows([&](int k) { return time += k % 2 == 0 ? relief.chance(1e-3, 2e-3) : 0.0; }, nothing)))
+      << "two returns have one time";
+  EXPECT_TRUE(is_time(relief.rows([](int k) { return 1.7e9 + 0.1 * (k / 12); }, nothing))) << "frames of 12 points";
+  EXPECT_TRUE(is_time(relief.rows([](int k) { return 1e-5 * k; }, intensity)));
+}
+
+TEST(XyzReader, AnXThatNeverFallsIsNotDoubtedAsATime) {
+  SweptRelief relief(34);
+  const auto row = [](double x, double y, double z) { return fmt::format("{:.5f} {:.5f} {:.5f}", x, y, z); };
+  const auto wave = [](double x, double y) { return 0.02 * std::sin(25 * x) * std::cos(20 * y); };
+  using Behind = std::function<std::string(double, double)>;
+  // Without a fourth column, with an intensity of chance, with one that never changes, and with a smooth one.
+  const std::vector<Behind> behinds = {
+      [](double, double) { return std::string("\n"); },
+      [&](double, double) { return fmt::format(" {:.2f}\n", relief.chance(0, 2000)); },
+      [](double, double) { return std::string(" 0.5\n"); },
+      [](double x, double y) { return fmt::format(" {:.4f}\n", 1 + std::sin(3 * x + 2 * y)); },
+  };
+  for (std::size_t kind = 0; kind < behinds.size(); ++kind) {
+    SCOPED_TRACE("behind z: " + std::to_string(kind));
+    std::vector<Eigen::Vector3d> sorted;
+    for (int k = 0; k < 1600; ++k) sorted.push_back(relief.at(k));
+    const auto by_x = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.x() < b.x(); };
+    std::sort(sorted.begin(), sorted.end(), by_x);
+    std::string of_sorted, columns, there_and_back, turned, level, slanted, circle, section, corrugated, road, strips;
+    for (const Eigen::Vector3d& p : sorted) of_sorted += row(p.x(), p.y(), p.z()) + behinds[kind](p.x(), p.y());
+    for (int k = 0; k < 1600; ++k) {
+      const double u = 0.01 * (k / 40);
+      const double v = 0.01 * (k % 40);
+      const double back = k / 40 % 2 == 0 ? v : 0.39 - v;
+      columns += row(u, v, wave(u, v)) + behinds[kind](u, v);
+      there_and_back += row(u, back, wave(u, back)) + behinds[kind](u, back);
+      const double x = u * std::cos(0.02) + v * std::sin(0.02);
+      const double y = v * std::cos(0.02) - u * std::sin(0.02);
+      turned += row(x, y, wave(u, v)) + behinds[kind](u, v);
+      const double along = 0.002 * k + relief.chance(0, 0.0015);
+      level += row(along, 0.25, 0.02 * std::sin(25 * along)) + behinds[kind](along, 0.25);
+      slanted += row(along, 0.3 * along + 1, 0.02 * std::sin(25 * along)) + behinds[kind](along, 0.25);
+      circle += row(u, 0.1 * std::cos(16 * v), 0.1 * std::sin(16 * v)) + behinds[kind](u, v);
+      section += row(u, 0.1 * std::cos(16.11 * v + 0.7), 0.1 * std::sin(16.11 * v + 0.7)) + behinds[kind](u, v);
+      corrugated += row(u, v, 0.02 * std::sin(75 * u)) + behinds[kind](u, v);
+      road += row(along, std::sin(15 * along) + relief.chance(-0.1, 0.1), 0.1 * std::cos(3 * along)) +
+              behinds[kind](along, 0.0);
+      strips += row(0.01 * (k % 400), 0.1 * (k / 400), wave(u, v)) + behinds[kind](u, v);
+    }
+    EXPECT_EQ(doubt_of(of_sorted), "");
+    EXPECT_EQ(doubt_of(columns), "");
+    EXPECT_EQ(doubt_of(there_and_back), "");
+    EXPECT_EQ(doubt_of(turned), "");
+    EXPECT_EQ(doubt_of(level), "");
+    EXPECT_EQ(doubt_of(slanted), "");
+    EXPECT_EQ(doubt_of(circle), "");
+    EXPECT_EQ(doubt_of(section), "");
+    EXPECT_EQ(doubt_of(corrugated), "");
+    EXPECT_EQ(doubt_of(road), "");
+    EXPECT_EQ(doubt_of(strips), "");
+  }
+}
+
+TEST(XyzReader, RowsOfNineNumbersThatAreTrianglesAreSaid) {
+  const auto row = [](std::initializer_list<std::array<double, 2>> corners) {
+    std::string text;
+    for (const auto& [x, y] : corners) text += fmt::format("{:.4f} {:.4f} {:.5f} ", x, y, 0.02 * std::sin(20 * x) * y);
+    return text + "\n";
+  };
+  std::string triangles, epochs;
+  for (int k = 0; k < 400; ++k) {
+    const double x = 0.01 * (k % 20);
+    const double y = 0.01 * (k / 20);
+    triangles += row({{x, y}, {x + 0.01, y}, {x + 0.01, y + 0.01}});
+    triangles += row({{x, y}, {x + 0.01, y + 0.01}, {x, y + 0.01}});
+    epochs += row({{x, y}, {x + 0.0012, y + 0.0003}, {x + 0.0023, y + 0.0006}});
+  }
+  EXPECT_THAT(read_scan_bytes(triangles, "a.raw").warnings, ElementsAre(HasSubstr("corners of a triangle")));
+  EXPECT_THAT(read_scan_bytes(epochs, "a.txt").warnings, ::testing::IsEmpty()) << "three surveys of the same points";
 }
 
 }  // namespace
