@@ -8,6 +8,7 @@
 #include <cstring>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -165,6 +166,22 @@ void require_replaceable(const fs::path& folder) {
                       "a new or empty folder, or an older export");
 }
 
+/// take(case, share of all that were taken before).
+template <typename Take>
+void each_case(const Take& take) {
+  const std::vector<Ground> grounds = all_grounds();
+  for (std::size_t n = 0; n < grounds.size(); ++n) {
+    const Ground& ground = grounds[n];
+    const auto share = [&](double part) {
+      return (static_cast<double>(n) + part) / static_cast<double>(grounds.size());
+    };
+    take(make_case(ground.name, ground, 0.25, 0.002), share(0.0));
+    if (ground.name != "sinusoid") continue;
+    take(make_case("sinusoid-fast", ground, 1.0, 0.002), share(1.0 / 3.0));
+    take(make_case("sinusoid-deep", ground, 0.25, 0.02), share(2.0 / 3.0));
+  }
+}
+
 }  // namespace
 
 bool OpenCase::contact(std::size_t tick) const {
@@ -178,27 +195,29 @@ Vector3d OpenCase::true_force(std::size_t tick) const {
 
 std::vector<OpenCase> open_cases() {
   std::vector<OpenCase> cases;
-  for (const Ground& ground : all_grounds()) {
-    cases.push_back(make_case(ground.name, ground, 0.25, 0.002));
-    if (ground.name != "sinusoid") continue;
-    cases.push_back(make_case("sinusoid-fast", ground, 1.0, 0.002));
-    cases.push_back(make_case("sinusoid-deep", ground, 0.25, 0.02));
-  }
+  each_case([&](OpenCase c, double) { cases.push_back(std::move(c)); });
   return cases;
 }
 
 fs::path path_file(const std::string& case_name) { return fs::path("paths") / (case_name + ".csv"); }
 fs::path truth_file(const std::string& case_name) { return fs::path("truth") / (case_name + ".csv"); }
 
-void export_benchmark(const fs::path& folder) {
+void export_benchmark(const fs::path& folder, Progress* progress) {
+  Progress unheard;
+  Progress& told = progress != nullptr ? *progress : unheard;
+  told.begin("export");
   require_replaceable(folder);
   AtomicPath target(folder, AtomicPath::Kind::folder);
   target.naming_target([&] {
     const fs::path& out = target.temporary();
     for (const char* part : {"surfaces", "paths", "truth"}) fs::create_directories(out / part);
     std::string table(kCasesHeader);
-    for (const Ground& ground : all_grounds()) write_file(out / "surfaces" / (ground.name + ".ply"), ply_of(ground));
-    for (const OpenCase& c : open_cases()) {
+    for (const Ground& ground : all_grounds()) {
+      told.throw_if_cancelled();
+      write_file(out / "surfaces" / (ground.name + ".ply"), ply_of(ground));
+    }
+    each_case([&](const OpenCase& c, double share) {
+      told.at(share);
       const std::string path = path_csv(c);
       const std::string truth = truth_csv(c);
       write_file(out / path_file(c.name), path);
@@ -209,11 +228,13 @@ void export_benchmark(const fs::path& folder) {
       for (const double value : {kOpenStiffness_n_per_m, c.speed_m_per_s, c.depth_m}) csv::append(table, value);
       csv::append(table, std::uint64_t{c.course.hands.size()});
       table += hash_of(path) + "," + hash_of(truth) + "\n";
-    }
+    });
     write_file(out / "cases.csv", table);
     write_file(out / "metrics.csv", kMetrics);
     write_file(out / "protocol.md", protocol_text());
   });
+  told.finish();
+  told.throw_if_cancelled();
   target.commit();
 }
 

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "base/threads/progress.h"
 #include "protocol/course.h"
 
 namespace sparsha::protocol {
@@ -35,7 +36,8 @@ struct OpenCase {
 
 /// Writes the whole benchmark; `folder` appears when it is complete and replaces an older one. Throws Error{failure}
 /// when it cannot be written, Error{usage} when it is a folder with a file that no export wrote.
-void export_benchmark(const std::filesystem::path& folder);
+/// `progress`, where there is one, is told of the stage "export" and may cancel.
+void export_benchmark(const std::filesystem::path& folder, Progress* progress = nullptr);
 
 /// Files of a case below the benchmark's folder.
 [[nodiscard]] std::filesystem::path path_file(const std::string& case_name);

@@ -19,12 +19,13 @@ without_alsa_plugins() {
   export ALSA_CONFIG_PATH=$PWD/$1/alsa.conf
 }
 
-# Release: every test, the heavy ones too.
+# Release: every test, the heavy ones too, and the figures of the Python module.
 release() {
   cmake --preset release -DSPARSHA_BUILD_TESTS=ON -DSPARSHA_BUILD_BENCH=ON -DSPARSHA_LIBRARY_ASSERTIONS=OFF > /dev/null
   cmake --build build -j"$jobs"
   cmake --build build -j"$jobs" --target sparsha_packaged  # which a test packs, installs and removes
   SPARSHA_NIGHTLY=1 all_tests build
+  PYTHONPATH=build/python /usr/bin/python3 tools/python-figures.py build/bin/sparsha
 }
 
 # 10^8 moves of the proxy.

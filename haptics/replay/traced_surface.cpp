@@ -22,8 +22,11 @@ std::shared_ptr<const MongeSurface> traced_surface(const scene::Scene& scene, co
   options.effects.texture = part.texture;
   options.effects.friction = part.friction;
   options.tip_radius_m = part.tip_radius_m;
+  options.progress = part.progress;
   if (part.level < 0 && !part.centre_m) {
-    return make_surface(description, scene.read_level(0), 0, 1.0, options);
+    const scene::Layers layers = scene.read_level(0);
+    if (part.progress != nullptr) part.progress->throw_if_cancelled();
+    return make_surface(description, layers, 0, 1.0, options);
   }
   const int level = std::max(part.level, 0);
   const auto count = static_cast<int>(description.levels.size());

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "base/threads/progress.h"
 #include "haptics/replay/trace.h"
 #include "haptics/surface/monge_surface.h"
 #include "scene/scene_fwd.h"
@@ -19,7 +20,8 @@ struct TracedPart {
   std::optional<Eigen::Vector2d> centre_m;  ///< of the window, grid frame; absent: the level's middle
   bool texture = true;                      ///< false: the envelope
   bool friction = true;
-  double tip_radius_m = 0.0;  ///< of the ball that touches, device frame; 0: a point
+  double tip_radius_m = 0.0;           ///< of the ball that touches, device frame; 0: a point
+  const Progress* progress = nullptr;  ///< may cancel; null: nobody does
 };
 
 /// Throws Error{usage} for a level that is not there or is a single row, and for a window that holds nothing;

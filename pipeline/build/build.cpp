@@ -397,7 +397,7 @@ void write_scene_folder(const BuildResult& result, const std::filesystem::path& 
   AtomicPath target(folder, AtomicPath::Kind::folder);
   progress.begin("write");
   target.naming_target([&] {
-    scene::write_scene(*result.scene, target.temporary());
+    scene::write_scene(*result.scene, target.temporary(), progress);
     ThreadPool pool(0);
     write_report(*result.scene, result.report, target.temporary(), pool);
   });
@@ -435,7 +435,7 @@ BuildResult build_and_write(const scene::Config& config, const BuildOptions& opt
   AtomicPath target(folder, AtomicPath::Kind::folder);
   BuildResult result = build_scene(config, with_scratch_beside(options, folder), progress);
   progress.begin("write");
-  target.naming_target([&] { scene::write_scene(*result.scene, target.temporary()); });
+  target.naming_target([&] { scene::write_scene(*result.scene, target.temporary(), progress); });
   progress.finish();
   result.report.stages = progress.stages();
   result.report.warnings = progress.warnings();

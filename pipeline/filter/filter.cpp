@@ -130,7 +130,7 @@ Flags kept_by(const Cloud& cloud, const PointTest& test, const Context& context)
 /// Median distance of a point to its nearest neighbour. For messages.
 double spacing_of(const Cloud& cloud, const Context& context) {
   if (cloud.size() < 2) return 0.0;
-  std::vector<float> nearest = NeighbourTree(cloud.xyz1(), cloud.size(), context.pool).mean_distances(1, context);
+  std::vector<float> nearest = NeighbourTree(cloud.xyz1(), cloud.size(), context).mean_distances(1, context);
   return static_cast<double>(median(nearest));
 }
 

@@ -59,10 +59,12 @@ std::size_t NeighbourTree::split(std::span<Point> points, const Box& box) {
 }
 
 /// Splits nodes until none has more than `least` points; nodes[0] and its range are given.
-void NeighbourTree::build(std::vector<Node>& nodes, std::span<Point> points, std::size_t least) {
+void NeighbourTree::build(std::vector<Node>& nodes, std::span<Point> points, std::size_t least,
+                          const Progress& progress) {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const std::size_t first = nodes[i].first;
     const std::size_t count = nodes[i].count;
+    if (count >= kSubtree) progress.throw_if_cancelled();
     const std::span<Point> part = points.subspan(first, count);
     nodes[i].box = bounds(part);
     if (count <= least) continue;
@@ -79,7 +81,7 @@ void NeighbourTree::build(std::vector<Node>& nodes, std::span<Point> points, std
   }
 }
 
-NeighbourTree::NeighbourTree(const float* xyz1, std::size_t count, ThreadPool& pool) : size_(count) {
+NeighbourTree::NeighbourTree(const float* xyz1, std::size_t count, const Context& context) : size_(count) {
   if (count == 0) return;
   std::vector<Point> points(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -88,16 +90,16 @@ NeighbourTree::NeighbourTree(const float* xyz1, std::size_t count, ThreadPool& p
   Node root;
   root.count = static_cast<std::uint32_t>(count);
   nodes_.push_back(root);
-  build(nodes_, points, kSubtree);
+  build(nodes_, points, kSubtree, context.progress);
   std::vector<std::size_t> tops;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     if (nodes_[i].left == 0) tops.push_back(i);
   }
   std::vector<std::vector<Node>> parts(tops.size());
-  pool.for_ranges(tops.size(), 1, [&](std::size_t begin, std::size_t end) {
+  context.pool.for_ranges(tops.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t t = begin; t < end; ++t) {
       parts[t].push_back(nodes_[tops[t]]);
-      build(parts[t], points, kLeaf);
+      build(parts[t], points, kLeaf, context.progress);
     }
   });
   for (std::size_t t = 0; t < tops.size(); ++t) {
@@ -113,6 +115,7 @@ NeighbourTree::NeighbourTree(const float* xyz1, std::size_t count, ThreadPool& p
     nodes_.insert(nodes_.end(), parts[t].begin() + 1, parts[t].end());
     parts[t] = {};
   }
+  context.progress.throw_if_cancelled();
   make_leaves(points);
 }
 

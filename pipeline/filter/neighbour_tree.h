@@ -16,8 +16,8 @@ namespace sparsha::pipeline {
 /// computed as FLANN does, (dx^2 + dy^2) + dz^2, so that the neighbours are the same.
 class NeighbourTree {
  public:
-  /// `xyz1` holds `count` points of four floats; finite. It is not kept.
-  NeighbourTree(const float* xyz1, std::size_t count, ThreadPool& pool);
+  /// `xyz1` holds `count` points of four floats; finite. It is not kept. Throws Cancelled.
+  NeighbourTree(const float* xyz1, std::size_t count, const Context& context);
 
   /// mean[i] = mean distance of point i to its `neighbours` nearest other points; the number is cut to what there is.
   /// Does not depend on the number of threads. Throws Cancelled.
@@ -51,7 +51,7 @@ class NeighbourTree {
 
   static std::size_t split(std::span<Point> points, const Box& box);
   static Box bounds(std::span<const Point> points);
-  static void build(std::vector<Node>& nodes, std::span<Point> points, std::size_t least);
+  static void build(std::vector<Node>& nodes, std::span<Point> points, std::size_t least, const Progress& progress);
   void make_leaves(std::span<const Point> points);
   void search_leaf(const Leaf& leaf, Search& search) const;
 

@@ -39,7 +39,7 @@ std::vector<std::uint8_t> statistical_inliers(const Cloud& cloud, const scene::O
                                               const Context& context) {
   std::vector<std::uint8_t> keep(cloud.size(), 1);
   if (cloud.size() < 2) return keep;
-  const NeighbourTree tree(cloud.xyz1(), cloud.size(), context.pool);
+  const NeighbourTree tree(cloud.xyz1(), cloud.size(), context);
   const std::vector<float> distances = tree.mean_distances(config.neighbours, context);
   const double most = threshold(distances, config.sigma);
   for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = static_cast<double>(distances[i]) <= most ? 1 : 0;

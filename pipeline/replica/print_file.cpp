@@ -85,7 +85,9 @@ void write_model(const PrintedMesh& solid, Part& part, Progress& progress) {
                          "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n"
                          "<resources><object id=\"1\" type=\"model\" name=\"") +
              solid.name() + "\"><mesh><vertices>\n");
+  constexpr std::uint32_t kLook = 1U << 14U;
   for (std::uint32_t i = 0; i < solid.vertices(); ++i) {
+    if (i % kLook == 0) progress.at(0.3 * i / solid.vertices());
     const PointMm p = solid.vertex(i);
     part.write(fmt::format("<vertex x=\"{}\" y=\"{}\" z=\"{}\"/>\n", p[0], p[1], p[2]));
   }

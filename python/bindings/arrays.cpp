@@ -11,6 +11,7 @@
 
 #include "base/error.h"
 #include "base/system.h"
+#include "python/bindings/running.hpp"
 
 namespace sparsha::python {
 namespace py = pybind11;
@@ -46,7 +47,11 @@ void require_own_memory(const py::array& array, const std::string& name) {
   bool strided = false;
   py::array whole = array;
   py::object base = array.base();
-  while (base && !base.is_none()) {
+  constexpr int kMostBases = 1000;
+  for (int seen = 0; base && !base.is_none(); ++seen) {
+    if (seen == kMostBases) {
+      throw usage_error(name + " is a view of a view of itself, or of too many others", "an array with its own memory");
+    }
     if (py::isinstance<py::array>(base)) {
       whole = base.cast<py::array>();
     } else if (py::hasattr(base, "__array_interface__") && py::hasattr(base, "base")) {  // what as_strided() goes by
@@ -63,6 +68,20 @@ void require_own_memory(const py::array& array, const std::string& name) {
   throw usage_error(name + " reaches beyond the memory of the array that it is a view of",
                     "shape and strides that stay within it");
 }
+
+}  // namespace
+
+py::array array_of(const py::handle& given, const std::string& name, const std::string& what) {
+  PyObject* const made = py::detail::npy_api::get().PyArray_FromAny_(
+      given.ptr(), nullptr, 0, 0, py::detail::npy_api::NPY_ARRAY_ENSUREARRAY_, nullptr);
+  if (made != nullptr) return py::reinterpret_steal<py::array>(made);
+  const py::error_already_set raised;
+  // Of what the object itself raised, only what says that it is no array is told in other words.
+  if (!raised.matches(PyExc_Exception) || raised.matches(PyExc_MemoryError)) throw raised;
+  throw py::type_error(name + " cannot be made an array; expected an array of " + what);
+}
+
+namespace {
 
 /// A list of masked arrays becomes one of them; NumPy would forget their masks.
 py::object with_masks(const py::handle& given, const py::object& masked_array) {
@@ -86,11 +105,7 @@ Given checked(const py::handle& argument, const std::string& name, int columns, 
   const py::object masked_array = py::module_::import("numpy.ma").attr("MaskedArray");
   const py::object given = with_masks(argument, masked_array);
   const bool may_hide = py::isinstance(given, masked_array);
-  const py::array array = py::array::ensure(may_hide ? given.attr("data") : given);
-  if (!array) {
-    PyErr_Clear();
-    throw py::type_error(name + " cannot be made an array; expected an array of " + what);
-  }
+  const py::array array = array_of(may_hide ? given.attr("data") : given, name, what);
   const char kind = array.dtype().kind();
   const bool none_of_a_list = array.size() == 0 && kind == 'f';  // [] is one of doubles
   if (std::string(kinds).find(kind) == std::string::npos && !none_of_a_list) {
@@ -151,6 +166,7 @@ Array converted(const py::array& array) {
 template <typename Array>
 Array numbers_of(const py::handle& given, const std::string& name, int columns, Numbers numbers) {
   using Value = typename Array::value_type;
+  const auto row = static_cast<std::size_t>(std::max(1, columns));
   const Given real = checked(given, name, columns, "fiu", "real numbers", sizeof(Value));
   if (numbers == Numbers::finite) refuse_masked(real, name, columns);
   Array result = converted<Array>(real.numbers);
@@ -159,12 +175,15 @@ Array numbers_of(const py::handle& given, const std::string& name, int columns, 
     return result;
   }
   const Value* const data = result.data();
-  for (py::ssize_t n = 0; n < result.size(); ++n) {
-    if (!std::isfinite(data[n])) {
-      throw usage_error(fmt::format("row {} of {} is not finite: {}", n / std::max(1, columns), name, data[n]),
-                        "finite numbers");
-    }
-  }
+  const auto count = static_cast<std::size_t>(result.size());
+  run_items(count, [&](Progress& progress) {
+    in_pieces(count, progress, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) {
+        if (std::isfinite(data[n])) continue;
+        throw usage_error(fmt::format("row {} of {} is not finite: {}", n / row, name, data[n]), "finite numbers");
+      }
+    });
+  });
   return result;
 }
 
@@ -184,12 +203,17 @@ Integers whole_rows_of(const py::handle& given, const std::string& name, int col
   refuse_masked(whole, name, columns);
   Integers result = converted<Integers>(whole.numbers);
   const std::int64_t* const data = result.data();
-  for (py::ssize_t n = 0; n < result.size(); ++n) {
-    if (data[n] < low || data[n] > high) {
-      throw usage_error(fmt::format("row {} of {} holds {}", n / std::max(1, columns), name, data[n]),
-                        fmt::format("{} to {}", low, high));
-    }
-  }
+  const auto count = static_cast<std::size_t>(result.size());
+  const auto row = static_cast<std::size_t>(std::max(1, columns));
+  run_items(count, [&](Progress& progress) {
+    in_pieces(count, progress, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) {
+        if (data[n] >= low && data[n] <= high) continue;
+        throw usage_error(fmt::format("row {} of {} holds {}", n / row, name, data[n]),
+                          fmt::format("{} to {}", low, high));
+      }
+    });
+  });
   return result;
 }
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <typeinfo>
 #include <vector>
 
 #include <Eigen/Core>
@@ -20,6 +21,10 @@ using Integers = pybind11::array_t<std::int64_t, pybind11::array::c_style>;
 
 /// What is allowed of an array beside its shape.
 enum class Numbers : std::uint8_t { finite, any };
+
+/// An array of any type and shape. Raises TypeError where nothing can make one of it; what ends a program, e.g.
+/// KeyboardInterrupt, and MemoryError pass through.
+[[nodiscard]] pybind11::array array_of(const pybind11::handle& given, const std::string& name, const std::string& what);
 
 /// Rows of `columns` numbers (0: one number a row, an array of one dimension), as doubles in C order, copied where they
 /// are not so already. `name` is what messages call it. Numbers that a masked array hides are NaN. Raises TypeError for
@@ -41,6 +46,15 @@ enum class Numbers : std::uint8_t { finite, any };
 
 [[nodiscard]] pybind11::array_t<double> array_of(const Eigen::Vector3d& vector);
 [[nodiscard]] pybind11::array_t<double> array_of(const Eigen::Matrix4d& matrix);
+
+/// Makes members raise TypeError for objects of a bound class that __new__ made and __init__ did not, e.g. copies; what
+/// pybind11 takes for their values is memory that nobody has set.
+template <typename Bound>
+void require_made() {
+  pybind11::detail::get_type_info(typeid(Bound), true)->operator_new = [](std::size_t) -> void* {
+    throw pybind11::type_error("the object was never made: its __init__ was not called");
+  };
+}
 
 /// A read-only array over a buffer that `owner` keeps alive.
 template <typename Value>

@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <optional>
@@ -26,6 +27,11 @@ namespace sparsha::python {
 namespace py = pybind11;
 using pipeline::Cloud;
 
+CloudPointer cloud_of(const py::handle& given) {
+  static_cast<void>(given.cast<const Cloud&>());
+  return given.cast<CloudPointer>();
+}
+
 namespace {
 
 void require_rows(py::ssize_t rows, std::size_t points, const std::string& name) {
@@ -37,83 +43,106 @@ void set_points(Cloud& cloud, const Doubles& rows, const py::object& origin) {
   const auto count = static_cast<std::size_t>(rows.shape(0));
   if (count == 0) throw usage_error("points has no rows", "at least one point");
   const Eigen::Map<const Eigen::Matrix<double, 3, Eigen::Dynamic>> points(rows.data(), 3, rows.shape(0));
-  if (origin.is_none()) {
-    pipeline::PointSample sample;
-    for (py::ssize_t n = 0; n < rows.shape(0); ++n) sample.add(points.col(n));
-    cloud.origin_m = pipeline::common_origin(sample);
-  } else {
-    cloud.origin_m = vector_of(origin, "origin");
-  }
-  cloud.resize_points(count);
-  float* const xyz1 = cloud.xyz1();
-  for (std::size_t n = 0; n < count; ++n) {
-    const Eigen::Vector3f p = (points.col(static_cast<Eigen::Index>(n)) - cloud.origin_m).cast<float>();
-    if (!p.allFinite()) {
-      throw usage_error(fmt::format("row {} of points is too far from the others for single precision", n),
-                        "coordinates in metres, or an origin nearby");
+  const bool given = !origin.is_none();
+  if (given) cloud.origin_m = vector_of(origin, "origin");
+  run_items(count, [&](Progress& progress) {
+    if (!given) {
+      pipeline::PointSample sample;
+      in_pieces(count, progress, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t n = begin; n < end; ++n) sample.add(points.col(static_cast<Eigen::Index>(n)));
+      });
+      cloud.origin_m = pipeline::common_origin(sample);
     }
-    for (int axis = 0; axis < 3; ++axis) xyz1[4 * n + static_cast<std::size_t>(axis)] = p[axis];
-  }
+    cloud.resize_points(count);
+    float* const xyz1 = cloud.xyz1();
+    in_pieces(count, progress, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) {
+        const Eigen::Vector3f p = (points.col(static_cast<Eigen::Index>(n)) - cloud.origin_m).cast<float>();
+        if (!p.allFinite()) {
+          throw usage_error(fmt::format("row {} of points is too far from the others for single precision", n),
+                            "coordinates in metres, or an origin nearby");
+        }
+        for (int axis = 0; axis < 3; ++axis) xyz1[4 * n + static_cast<std::size_t>(axis)] = p[axis];
+      }
+    });
+  });
+}
+
+/// Fills `values`, one or several for each of `count` items, by fill(n); other threads go on meanwhile.
+template <typename Values, typename Fill>
+void fill_items(Values& values, std::size_t count, const Fill& fill) {
+  run_items(count, [&](Progress& progress) {
+    values.resize(count);
+    in_pieces(count, progress, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) values[n] = fill(n);
+    });
+  });
 }
 
 void set_colour(Cloud& cloud, const py::object& colour) {
   if (colour.is_none()) return;
-  const py::array array = py::array::ensure(colour);
-  if (!array) throw py::type_error("colour cannot be made an array; expected an array of red, green, blue");
+  const py::array array = array_of(colour, "colour", "red, green, blue");
   const int columns = array.ndim() == 2 && array.shape(1) == 4 ? 4 : 3;
   const bool whole = array.dtype().kind() == 'u' || array.dtype().kind() == 'i';
-  cloud.rgba.resize(cloud.size());
-  const auto pack = [&](std::size_t n, const auto& part) {
+  const auto pack = [columns](const auto* parts, const auto& part_of) {
     std::uint32_t rgba = columns == 4 ? 0 : 0xFF000000U;
-    for (int c = 0; c < columns; ++c) rgba |= static_cast<std::uint32_t>(part(c)) << (8 * c);
-    cloud.rgba[n] = rgba;
+    for (int c = 0; c < columns; ++c) rgba |= static_cast<std::uint32_t>(part_of(parts[c])) << (8 * c);
+    return rgba;
   };
+  const auto step = static_cast<std::size_t>(columns);
   if (whole) {
     const Integers rows = whole_rows_of(colour, "colour", columns, 0, 255);
     require_rows(rows.shape(0), cloud.size(), "colour");
-    for (std::size_t n = 0; n < cloud.size(); ++n) {
-      pack(n, [&](int c) { return rows.data()[n * static_cast<std::size_t>(columns) + static_cast<std::size_t>(c)]; });
-    }
+    const std::int64_t* const parts = rows.data();
+    fill_items(cloud.rgba, cloud.size(),
+               [&](std::size_t n) { return pack(parts + step * n, [](std::int64_t part) { return part & 0xFF; }); });
     return;
   }
   const Doubles rows = rows_of(colour, "colour", columns);  // 0 to 1, as Open3D has them
   require_rows(rows.shape(0), cloud.size(), "colour");
-  for (py::ssize_t n = 0; n < rows.size(); ++n) {
-    if (!(rows.data()[n] >= 0.0 && rows.data()[n] <= 1.0)) {
-      throw usage_error(fmt::format("row {} of colour holds {}", n / columns, rows.data()[n]),
-                        "fractions from 0 to 1, or whole numbers from 0 to 255");
-    }
-  }
-  for (std::size_t n = 0; n < cloud.size(); ++n) {
-    pack(n, [&](int c) {
-      return std::lround(255.0 * rows.data()[n * static_cast<std::size_t>(columns) + static_cast<std::size_t>(c)]);
+  const double* const parts = rows.data();
+  fill_items(cloud.rgba, cloud.size(), [&](std::size_t n) {
+    return pack(parts + step * n, [&](double part) {
+      if (!(part >= 0.0 && part <= 1.0)) {
+        throw usage_error(fmt::format("row {} of colour holds {}", n, part),
+                          "fractions from 0 to 1, or whole numbers from 0 to 255");
+      }
+      return std::lround(255.0 * part);
     });
-  }
+  });
 }
 
 std::vector<float> one_a_point(const Cloud& cloud, const py::handle& given, const std::string& name) {
   const Floats rows = float_rows_of(given, name, 0, Numbers::any);
   require_rows(rows.shape(0), cloud.size(), name);
-  return {rows.data(), rows.data() + rows.size()};
+  const float* const data = rows.data();
+  std::vector<float> values;
+  fill_items(values, cloud.size(), [&](std::size_t n) { return data[n]; });
+  return values;
 }
 
 void set_normals(Cloud& cloud, const py::object& normals) {
   if (normals.is_none()) return;
   const Floats rows = float_rows_of(normals, "normals", 3);
   require_rows(rows.shape(0), cloud.size(), "normals");
-  cloud.normals.resize(cloud.size());
-  for (std::size_t n = 0; n < cloud.size(); ++n) {
-    cloud.normals[n] = Eigen::Map<const Eigen::Vector3f>(rows.data() + 3 * n);
-  }
+  const float* const data = rows.data();
+  fill_items(cloud.normals, cloud.size(),
+             [&](std::size_t n) { return Eigen::Vector3f(Eigen::Map<const Eigen::Vector3f>(data + 3 * n)); });
 }
 
 void set_faces(Cloud& cloud, const py::object& faces) {
   if (faces.is_none()) return;
   const Integers rows = whole_rows_of(faces, "faces", 3, 0, static_cast<std::int64_t>(cloud.size()) - 1);
-  cloud.faces.resize(static_cast<std::size_t>(rows.shape(0)));
-  for (std::size_t n = 0; n < cloud.faces.size(); ++n) {
-    for (std::size_t k = 0; k < 3; ++k) cloud.faces[n][k] = static_cast<std::uint32_t>(rows.data()[3 * n + k]);
-  }
+  const std::int64_t* const data = rows.data();
+  const auto last = static_cast<std::int64_t>(cloud.size()) - 1;
+  fill_items(cloud.faces, static_cast<std::size_t>(rows.shape(0)), [&](std::size_t n) {
+    std::array<std::uint32_t, 3> face{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      // Within the points whatever another thread writes into the array meanwhile.
+      face[k] = static_cast<std::uint32_t>(std::clamp<std::int64_t>(data[3 * n + k], 0, last));
+    }
+    return face;
+  });
 }
 
 void set_fields(Cloud& cloud, const py::dict& fields) {
@@ -125,6 +154,9 @@ void set_fields(Cloud& cloud, const py::dict& fields) {
       throw usage_error("the field '" + key + "' cannot be one",
                         "a name of letters, digits and _ that is no coordinate, colour, normal or intensity");
     }
+    const bool there = std::any_of(cloud.fields.begin(), cloud.fields.end(),
+                                   [&](const pipeline::PointField& field) { return field.name == key; });
+    if (there) throw usage_error("two fields are named '" + key + "'", "names that differ by more than their case");
     cloud.fields.push_back({key, one_a_point(cloud, values, "fields['" + key + "']")});
   }
 }
@@ -150,26 +182,25 @@ std::vector<scene::ScanConfig> scans_of(const py::object& files, const py::objec
     return entry;
   };
   py::list entries;
-  const bool one = py::isinstance<py::dict>(files);
-  const bool listed = py::isinstance<py::list>(files) || py::isinstance<py::tuple>(files);
+  const std::optional<py::list> listed = items_of(files);
   const auto add = [&](const py::handle& scan) {
     if (py::isinstance<py::dict>(scan)) return entries.append(with_units(py::dict(scan.attr("copy")())));
     const std::string path = path_of(scan, "files");
     if (app::is_config(path)) {
-      if (listed && py::len(files) > 1) {
+      if (listed && py::len(*listed) > 1) {
         throw usage_error("a configuration and something else", "one CONFIG, or SCANs only");
       }
       scans = scene::load_config(path).scans;
       return;
     }
     py::dict entry;
-    entry["file"] = path;
+    entry["file"] = str_of(path);
     entries.append(with_units(entry));
   };
-  if (one || !listed) {
+  if (!listed) {
     add(files);
   } else {
-    for (const py::handle& scan : files) add(scan);
+    for (const py::handle& scan : *listed) add(scan);
   }
   if (!scans.empty()) return scans;
   if (py::len(entries) == 0) throw usage_error("no scans are named", "at least one file");
@@ -190,8 +221,9 @@ CloudPointer read(const py::object& files, const py::object& units, const std::v
   });
 }
 
-py::tuple filtered(const Cloud& cloud, const py::list& filters, double spacing_mm, unsigned threads,
+py::tuple filtered(const Cloud& cloud, const py::list& filters, double spacing_mm, const py::object& threads,
                    const py::object& progress) {
+  const unsigned count = threads_of(threads);
   const yaml::Node node = yaml::parse_text(text_of(filters), "the filters");
   const std::vector<scene::FilterConfig> configs = scene::parse_filters(node);
   for (const scene::FilterConfig& config : configs) {
@@ -207,7 +239,7 @@ py::tuple filtered(const Cloud& cloud, const py::list& filters, double spacing_m
     left->points = Cloud().points;
     left->resize_points(cloud.size());
     std::copy_n(cloud.xyz1(), 4 * cloud.size(), left->xyz1());
-    ThreadPool pool(threads);
+    ThreadPool pool(count);
     pipeline::FilterNeeds needs;
     needs.spacing_m = [&](const Cloud&) {
       if (!(spacing_mm > 0.0)) throw usage_error("the filter 'thin' needs the spacing of a grid", "spacing_mm=...");
@@ -221,7 +253,7 @@ py::tuple filtered(const Cloud& cloud, const py::list& filters, double spacing_m
     py::dict told;
     told["name"] = step.name;
     told["removed"] = step.removed;
-    told["found"] = step.found;
+    told["found"] = str_of(step.found);
     steps.append(told);
   }
   return py::make_tuple(result.first, steps);
@@ -269,6 +301,7 @@ Raises TypeError for what is no array of numbers; UsageError for a wrong shape, 
 (with their row), rows that are one row repeated, and more memory than the machine or the array has.
 
 All arrays that a cloud gives are read-only views of its own buffers; they keep it alive.)");
+  require_made<Cloud>();
   cloud
       .def(py::init(&cloud_of_arrays), py::arg("points"), py::kw_only(), py::arg("origin") = py::none(),
            py::arg("colour") = py::none(), py::arg("intensity") = py::none(), py::arg("normals") = py::none(),
@@ -299,7 +332,7 @@ All arrays that a cloud gives are read-only views of its own buffers; they keep 
       .def_property_readonly("fields", &fields_of_cloud, "Name -> (n,) float32, NaN where the scan says none; views.")
       .def_readonly("invalid", &Cloud::invalid, "Records of the files that were not finite or flagged invalid.")
       .def("filtered", &filtered, py::arg("filters"), py::kw_only(), py::arg("spacing_mm") = 0.0,
-           py::arg("threads") = 0U, py::arg("progress") = py::none(),
+           py::arg("threads") = 0, py::arg("progress") = py::none(),
            R"(Applies filters in order, as a configuration's block `filters` has them.
 
 filters: e.g. [{"outliers": {"sigma": 2}}, {"voxel": {"leaf_mm": 1}}]. spacing_mm: of the grid, for `thin`.

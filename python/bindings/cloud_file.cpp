@@ -1,8 +1,10 @@
 #include <atomic>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "base/error.h"
@@ -61,17 +63,28 @@ class Bytes {
 // No two clouds of a process share a name: each would take the other's folder for what a dead process has left.
 std::filesystem::path own_folder() {
   static std::atomic<unsigned> made{0};
-  return std::filesystem::temp_directory_path() /
-         ("sparsha-" + std::to_string(system::process_id()) + "-" + std::to_string(made++));
+  std::error_code code;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(code);
+  if (code) {
+    const char* const named = std::getenv("TMPDIR");
+    throw Error(ErrorKind::failure, {named != nullptr ? named : "", 0, 0}, "no folder for temporary files",
+                "TMPDIR naming a folder that is there");
+  }
+  return folder / ("sparsha-" + std::to_string(system::process_id()) + "-" + std::to_string(made++));
 }
 
 }  // namespace
 
-CloudFile::CloudFile(const pipeline::Cloud& cloud) : folder_(own_folder(), AtomicPath::Kind::folder) {
+CloudFile::CloudFile(const pipeline::Cloud& cloud) : cloud_(cloud), folder_(own_folder(), AtomicPath::Kind::folder) {}
+
+void CloudFile::write(Progress& progress) const {
+  constexpr std::size_t kLook = std::size_t{1} << 16;
+  const pipeline::Cloud& cloud = cloud_;
   Bytes bytes(path());
   bytes.put_text(header_of(cloud));
   const float* const xyz1 = cloud.xyz1();
   for (std::size_t n = 0; n < cloud.size(); ++n) {
+    if (n % kLook == 0) progress.throw_if_cancelled();
     for (int axis = 0; axis < 3; ++axis) {
       bytes.put(cloud.origin_m[axis] + static_cast<double>(xyz1[4 * n + static_cast<std::size_t>(axis)]));
     }

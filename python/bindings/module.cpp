@@ -33,6 +33,7 @@ PYBIND11_MODULE(_core, module) {
   module.attr("__version__") = SPARSHA_VERSION;
   // A scan that is cut short while it is read is an InputError and not the end of the interpreter.
   sparsha::system::survive_cut_files();
+  sparsha::python::end_work_with_the_interpreter();
   sparsha::python::translate_errors();
   sparsha::python::bind_cloud(module);
   sparsha::python::bind_scene(module);

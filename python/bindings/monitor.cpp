@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "haptics/conformance/each_sample.h"
 #include "python/bindings/running.hpp"
+#include "python/bindings/settings.hpp"
 
 namespace sparsha::python {
 namespace py = pybind11;
@@ -60,7 +61,7 @@ py::dict monitor(const std::string& device, double seconds, const py::object& pr
     }
   }
   py::dict told;
-  told["name"] = heard.name;
+  told["name"] = str_of(heard.name);
   told["time"] = py::array_t<double>(count, heard.time_s.data());
   told["position"] = positions;
   told["buttons"] = column<std::uint64_t>(heard, [](const haptics::DeviceSample& s) { return s.buttons; });

@@ -27,8 +27,7 @@ namespace {
 
 using Trace = haptics::TraceResult;
 
-constexpr py::ssize_t kMostNodes = 32768;                 // of heights in one direction
-constexpr std::size_t kLookEvery = std::size_t{1} << 20;  // rows of a path between two looks for Ctrl-C
+constexpr py::ssize_t kMostNodes = 32768;  // of heights in one direction
 
 /// Which of `names` a word is. Throws Error{usage}.
 std::size_t choice(const std::string& key, const std::string& word, const std::vector<std::string>& names) {
@@ -91,8 +90,9 @@ std::unique_ptr<Renderer> make_renderer(const py::object& given, std::optional<i
                         "a scene built with a block `texture`");
     const Eigen::Matrix3d turn = description.scan_from_grid.topLeftCorner<3, 3>();
     renderer->force_from_grid = turn / std::cbrt(std::abs(turn.determinant()));
-    const py::gil_scoped_release release;
-    renderer->object = haptics::whole_object(description, {texture, friction});
+    run_without_lock(py::none(), [&](Progress&) {
+      renderer->object = haptics::whole_object(description, {texture, friction});
+    });
     return renderer;
   }
   if (scans && description.config.unroll) {
@@ -106,8 +106,11 @@ std::unique_ptr<Renderer> make_renderer(const py::object& given, std::optional<i
     renderer->unrolled = options;
     return renderer;
   }
-  const py::gil_scoped_release release;
-  renderer->surface = haptics::traced_surface(*renderer->scene->scene, part);
+  run_without_lock(py::none(), [&](Progress& progress) {
+    part.progress = &progress;
+    renderer->surface = haptics::traced_surface(*renderer->scene->scene, part);
+    progress.throw_if_cancelled();
+  });
   return renderer;
 }
 
@@ -116,16 +119,12 @@ std::unique_ptr<Renderer> renderer_of_heights(const py::object& given, double sp
                                               double mu_dynamic, std::optional<double> mu_static, double stiffness,
                                               const std::string& surface, const std::string& creases,
                                               const std::string& solver) {
-  const py::array array = py::array::ensure(given);
-  if (!array) throw py::type_error("heights cannot be made an array; expected an array of real numbers");
+  const py::array array = array_of(given, "heights", "real numbers");
   const Floats heights = float_rows_of(
       given, "heights", array.ndim() == 2 ? static_cast<int>(std::min(array.shape(1), kMostNodes)) : 2, Numbers::any);
   if (heights.shape(0) < 2 || heights.shape(1) < 2 || heights.shape(0) > kMostNodes) {
     throw usage_error(fmt::format("heights has the shape ({}, {})", heights.shape(0), heights.shape(1)),
                       fmt::format("2 to {} nodes in both directions", kMostNodes));
-  }
-  for (py::ssize_t n = 0; n < heights.size(); ++n) {
-    if (std::isinf(heights.data()[n])) throw usage_error("heights has an infinite one", "finite ones, or NaN: unknown");
   }
   auto renderer = std::make_unique<Renderer>();
   haptics::SurfaceParts parts;
@@ -133,13 +132,8 @@ std::unique_ptr<Renderer> renderer_of_heights(const py::object& given, double sp
   parts.lattice.ny = static_cast<int>(heights.shape(0));
   parts.lattice.spacing_m = checked(spacing, "spacing", 1e-9, 1e6);
   if (!origin.is_none()) parts.lattice.origin_m = vector_of(origin, "origin");
-  parts.height_m.assign(heights.data(), heights.data() + heights.size());
   const double mu = checked(mu_dynamic, "mu_dynamic", 0.0, 10.0);
   const double mu_rest = checked(mu_static.value_or(mu), "mu_static", mu, 10.0);
-  if (mu_rest > 0.0) {
-    parts.friction.mu_dynamic.assign(parts.lattice.count(), static_cast<float>(mu));
-    parts.friction.mu_static.assign(parts.lattice.count(), static_cast<float>(mu_rest));
-  }
   renderer->haptics.stiffness_n_per_m = checked(stiffness, "stiffness", 0.0, 1e6);
   if (choice("solver", solver, {"exact", "paper"}) == 1) renderer->haptics.solver = scene::HapticsConfig::Solver::paper;
   if (choice("creases", creases, {"sharp", "rounded"}) == 1) renderer->options.shape = haptics::CellShape::rounded;
@@ -147,8 +141,25 @@ std::unique_ptr<Renderer> renderer_of_heights(const py::object& given, double sp
     renderer->haptics.surface = scene::HapticsConfig::Surface::c1;
     renderer->options.shape = haptics::CellShape::c1;
   }
-  const py::gil_scoped_release release;
-  renderer->surface = haptics::make_surface(std::move(parts));
+  const float* const data = heights.data();
+  const std::size_t count = parts.lattice.count();
+  run_items(count, [&](Progress& progress) {
+    parts.height_m.resize(count);
+    in_pieces(count, progress, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) {
+        parts.height_m[n] = data[n];
+        if (std::isinf(parts.height_m[n]))
+          throw usage_error("heights has an infinite one", "finite ones, or NaN: unknown");
+      }
+    });
+    if (mu_rest > 0.0) {
+      parts.friction.mu_dynamic.assign(count, static_cast<float>(mu));
+      parts.friction.mu_static.assign(count, static_cast<float>(mu_rest));
+    }
+    parts.progress = &progress;
+    renderer->surface = haptics::make_surface(std::move(parts));
+    progress.throw_if_cancelled();
+  });
   return renderer;
 }
 
@@ -162,12 +173,19 @@ std::vector<haptics::HipSample> samples_of(const py::object& path, const py::obj
       throw usage_error(fmt::format("time has {} rows", times->size()), fmt::format("{}, as path", rows.shape(0)));
     }
   }
-  std::vector<haptics::HipSample> samples(static_cast<std::size_t>(rows.shape(0)));
-  for (std::size_t n = 0; n < samples.size(); ++n) {
-    if (n % kLookEvery == 0 && PyErr_CheckSignals() != 0) throw py::error_already_set();
-    samples[n].t_s = times ? times->data()[n] : static_cast<double>(n) / rate_hz;
-    samples[n].position_m = Eigen::Map<const Eigen::Vector3d>(rows.data() + 3 * n);
-  }
+  const auto count = static_cast<std::size_t>(rows.shape(0));
+  const double* const places = rows.data();
+  const double* const time_s = times ? times->data() : nullptr;
+  std::vector<haptics::HipSample> samples;
+  run_items(count, [&](Progress& progress) {
+    samples.resize(count);
+    in_pieces(count, progress, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) {
+        samples[n].t_s = time_s != nullptr ? time_s[n] : static_cast<double>(n) / rate_hz;
+        samples[n].position_m = Eigen::Map<const Eigen::Vector3d>(places + 3 * n);
+      }
+    });
+  });
   return samples;
 }
 
@@ -238,6 +256,7 @@ void bind_trace(py::module_& module) {
 
 Arrays are read-only views. Places are metres in the grid frame, of a whole or an unrolled object that is touched in the
 frame of its scans in that; forces newtons.)");
+  require_made<Trace>();
   const auto vector_column = [&](const char* name, Eigen::Vector3d Row::*member, const char* text) {
     trace.def_property_readonly(
         name, [member](const py::object& self) { return vectors(self, member); }, text);
@@ -291,6 +310,7 @@ scene's. around: touch the whole object (frame="scan"); None: where there is one
 limits of a device: the force is stiffness times the way from hand to proxy.
 
 Raises UsageError. A Renderer is for one thread at a time; several of them share a scene.)");
+  require_made<Renderer>();
   renderer
       .def(py::init(&make_renderer), py::arg("scene"), py::kw_only(), py::arg("level") = py::none(),
            py::arg("centre") = py::none(), py::arg("texture") = true, py::arg("friction") = true,

@@ -2,17 +2,24 @@
 
 #include <fmt/format.h>
 
+#include <cxxabi.h>
+#include <pthread.h>
+
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <filesystem>
 #include <mutex>
 #include <new>
+#include <set>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
+#include "python/bindings/settings.hpp"
 
 namespace sparsha::python {
 namespace py = pybind11;
@@ -20,6 +27,17 @@ namespace py = pybind11;
 namespace {
 
 constexpr std::chrono::milliseconds kLook{20};  // between two looks for Ctrl-C
+
+#ifdef __GLIBCXX__
+using Unwound = abi::__forced_unwind;  // how pthread_exit() ends a thread
+#else
+struct Unwound {};
+#endif
+
+/// For a thread that Python wants to end since the interpreter is gone.
+[[noreturn]] void wait_for_the_end_of_the_process() {
+  for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+}
 
 /// What the work has said and the caller's thread has not handed on yet.
 class Inbox {
@@ -83,12 +101,12 @@ void hand_on(Inbox& inbox, const py::object& listener) {
   inbox.hand_over(messages, warnings);
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();
   if (!listener.is_none()) {
-    for (const Inbox::Message& message : messages) listener(message.stage, message.fraction);
+    for (const Inbox::Message& message : messages) listener(str_of(message.stage), message.fraction);
   }
   if (warnings.empty()) return;
   const py::object category = py::module_::import("sparsha._errors").attr("Warning");
   for (const std::string& warning : warnings) {
-    if (PyErr_WarnEx(category.ptr(), warning.c_str(), 1) != 0) throw py::error_already_set();
+    py::module_::import("warnings").attr("warn")(str_of(warning), category, 1);
   }
 }
 
@@ -110,56 +128,109 @@ bool is_cancelled(const std::exception_ptr& thrown) {
   } catch (py::error_already_set& error) {
     const py::object& value = error.value();
     if (py::hasattr(value, "add_note")) {  // since Python 3.11
-      value.attr("add_note")(
-          fmt::format("sparsha ended its work at {:.0f} % of the stage '{}'", 100.0 * ended.fraction, ended.stage));
+      value.attr("add_note")(str_of(
+          fmt::format("sparsha ended its work at {:.0f} % of the stage '{}'", 100.0 * ended.fraction, ended.stage)));
     }
     throw;
   }
 }
 
+/// The work that goes on in this process. Where the interpreter ends meanwhile, since only daemon threads wait for it,
+/// it ends before what is destroyed at the process's end.
+class Works {
+ public:
+  void add(Progress& progress) {
+    const std::lock_guard lock(mutex_);
+    running_.insert(&progress);
+  }
+  void remove(Progress& progress) {
+    const std::lock_guard lock(mutex_);
+    running_.erase(&progress);
+    changed_.notify_all();
+  }
+  void end_all() {
+    std::unique_lock lock(mutex_);
+    for (Progress* const progress : running_) progress->cancel();
+    changed_.wait(lock, [&] { return running_.empty(); });
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::set<Progress*> running_;
+};
+
+Works* g_works = nullptr;  // never destroyed
+
 /// Ends the work where its thread would outlive the caller otherwise.
 class Joined {
  public:
   explicit Joined(std::thread thread) : thread_(std::move(thread)) {}
-  ~Joined() {
-    if (thread_.joinable()) thread_.join();
-  }
+  ~Joined() { join(); }
   Joined(const Joined&) = delete;
   Joined& operator=(const Joined&) = delete;
-  void join() { thread_.join(); }
+  void join() {
+    if (thread_.joinable()) thread_.join();
+  }
 
  private:
   std::thread thread_;
 };
 
+/// A thread, or an Error of what the system says.
+template <typename Work>
+std::thread started(const Work& work) {
+  try {
+    return std::thread(work);
+  } catch (const std::system_error& error) {
+    throw Error(ErrorKind::failure, {}, fmt::format("no thread can be started: {}", error.code().message()),
+                "a system that allows this process more threads");
+  }
+}
+
 }  // namespace
+
+Unlocked::~Unlocked() {
+  try {
+    PyEval_RestoreThread(state_);
+  } catch (Unwound&) {
+    wait_for_the_end_of_the_process();
+  }
+}
 
 void run_without_lock(const py::object& listener, const std::function<void(Progress&)>& work) {
   if (!listener.is_none() && PyCallable_Check(listener.ptr()) == 0) {
     throw py::type_error("progress is not callable; expected None or a function of (stage, fraction)");
   }
   Inbox inbox;
+  Works& works = *g_works;
   Progress progress([&](const ProgressUpdate& update) { inbox.take(update); });
   std::exception_ptr thrown;
   std::exception_ptr raised;  // by Python, on this thread
   {
-    Joined thread(std::thread([&] {
+    Joined thread(started([&] {
+      works.add(progress);
       try {
         work(progress);
       } catch (...) {
         thrown = std::current_exception();
       }
+      works.remove(progress);
       inbox.end();
     }));
     for (bool ended = false; !ended;) {
       {
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         ended = inbox.wait();
         if (ended) thread.join();
       }
       if (raised) continue;
       try {
         hand_on(inbox, listener);
+      } catch (Unwound&) {  // in `listener`
+        progress.cancel();
+        thread.join();
+        wait_for_the_end_of_the_process();
       } catch (...) {
         raised = std::current_exception();
         progress.cancel();
@@ -175,10 +246,15 @@ namespace {
 
 void set_exception(const Error& error) {
   const Place& place = error.place();
-  const py::object made = py::module_::import("sparsha._errors")
-                              .attr("of_core")(static_cast<int>(error.kind()), std::string(error.what()), place.file,
-                                               place.line, place.column, error.wrong(), error.expected());
+  const py::object made =
+      py::module_::import("sparsha._errors")
+          .attr("of_core")(static_cast<int>(error.kind()), str_of(error.what()), str_of(place.file), place.line,
+                           place.column, str_of(error.wrong()), str_of(error.expected()));
   PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(made.ptr())), made.ptr());
+}
+
+Error failure_of(const std::filesystem::filesystem_error& error) {
+  return {ErrorKind::failure, {error.path1().string(), 0, 0}, error.code().message()};
 }
 
 }  // namespace
@@ -188,6 +264,8 @@ void raise(const std::exception_ptr& thrown) {
     std::rethrow_exception(thrown);
   } catch (const Error& error) {
     set_exception(error);
+  } catch (const std::filesystem::filesystem_error& error) {
+    set_exception(failure_of(error));
   } catch (const py::builtin_exception& exception) {
     exception.set_error();
   } catch (const std::bad_alloc&) {
@@ -197,6 +275,12 @@ void raise(const std::exception_ptr& thrown) {
   }
 }
 
+void end_work_with_the_interpreter() {
+  g_works = new Works;
+  pthread_atfork(nullptr, nullptr, [] { g_works = new Works; });  // a child has none of the threads
+  Py_AtExit([] { g_works->end_all(); });
+}
+
 void translate_errors() {
   py::register_exception_translator([](std::exception_ptr pointer) {
     if (!pointer) return;
@@ -204,6 +288,8 @@ void translate_errors() {
       std::rethrow_exception(std::move(pointer));
     } catch (const Error& error) {
       set_exception(error);
+    } catch (const std::filesystem::filesystem_error& error) {
+      set_exception(failure_of(error));
     }
   });
 }

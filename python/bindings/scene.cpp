@@ -12,12 +12,17 @@
 #include "base/files/files.h"
 #include "haptics/window/surface.h"
 #include "python/bindings/arrays.hpp"
+#include "python/bindings/running.hpp"
+#include "python/bindings/settings.hpp"
 
 namespace sparsha::python {
 namespace py = pybind11;
 
 BuiltPointer scene_of(const py::handle& given) {
-  if (py::isinstance<BuiltScene>(given)) return given.cast<std::shared_ptr<BuiltScene>>();
+  if (py::isinstance<BuiltScene>(given)) {
+    static_cast<void>(given.cast<const BuiltScene&>());  // raises for one that was never made
+    return given.cast<std::shared_ptr<BuiltScene>>();
+  }
   throw py::type_error(fmt::format("the scene is {}; expected a sparsha.Scene, e.g. of sparsha.open(folder)",
                                    Py_TYPE(given.ptr())->tp_name));
 }
@@ -39,7 +44,7 @@ void require_level(const BuiltScene& built, int level) {
 LayersPointer layers_of(const BuiltScene& built, int level) {
   require_level(built, level);
   if (const scene::Layers* layers = built.scene->in_memory(level)) return {built.scene, layers};
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   return std::make_shared<const scene::Layers>(built.scene->read_level(level));
 }
 
@@ -83,7 +88,7 @@ py::object friction(const BuiltScene& built, int level, double scale) {
   const LayersPointer layers = layers_of(built, level);
   const auto map = std::make_shared<haptics::FrictionMap>();
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     *map = haptics::evaluate_friction(built.scene->description(), *layers, level, scale);
   }
   if (map->mu_dynamic.empty()) return py::none();
@@ -129,6 +134,7 @@ at x = origin[0] + i * spacing(L), y = origin[1] + j * spacing(L), z = origin[2]
 grid frame; scan_from_grid takes that to the frame of the scans. Arrays are read-only; those of a scene in memory are
 views of its own buffers. Methods raise UsageError for a level that is not there, InputError for tiles on disk that
 cannot be read.)");
+  require_made<BuiltScene>();
   const auto level = py::arg("level") = 0;
   scene
       .def_property_readonly(
@@ -164,7 +170,7 @@ scale: device metres a grid metre, which curvatures depend on. 0 where nothing w
           "(ny, nx) float32 as the scans have it, NaN where unknown; None without it.")
       .def_property_readonly("report", &report, "What the build found, as a dict (report.json); None without one.")
       .def_property_readonly(
-          "config", [](const BuiltScene& s) { return scene::to_yaml(s.scene->description().config); },
+          "config", [](const BuiltScene& s) { return str_of(scene::to_yaml(s.scene->description().config)); },
           "The configuration as YAML, automatic values replaced by those that were used.")
       .def_property_readonly(
           "noise", [](const BuiltScene& s) { return s.scene->description().noise_m; },
@@ -180,7 +186,7 @@ scale: device metres a grid metre, which curvatures depend on. 0 where nothing w
           "folder",
           [](const BuiltScene& s) -> py::object {
             if (s.scene->folder().empty()) return py::none();
-            return py::str(s.scene->folder().string());
+            return str_of(s.scene->folder().string());
           },
           "The folder on disk, or None for a scene in memory.")
       .def("__repr__", [](const BuiltScene& s) {

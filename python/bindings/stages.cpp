@@ -62,18 +62,18 @@ py::dict dict_of(const pipeline::Registration& found) {
 }
 
 /// A list of clouds and paths as the scans of a configuration; clouds wait in files meanwhile.
-scene::Config config_of_list(const py::sequence& scans, const std::vector<std::string>& settings,
-                             std::list<CloudFile>& files) {
+scene::Config config_of_list(const py::list& scans, const std::vector<std::string>& settings,
+                             std::vector<CloudPointer>& clouds, std::list<CloudFile>& files) {
   py::list entries;
   for (const py::handle& scan : scans) {
     py::dict entry;
     if (py::isinstance<pipeline::Cloud>(scan)) {
-      entry["file"] = files.emplace_back(*scan.cast<CloudPointer>()).path().string();
+      entry["file"] = str_of(files.emplace_back(*clouds.emplace_back(cloud_of(scan))).path().string());
       entry["units"] = "m";
     } else if (py::isinstance<py::dict>(scan)) {
       entry = py::dict(scan.attr("copy")());
     } else {
-      entry["file"] = path_of(scan, "scans");
+      entry["file"] = str_of(path_of(scan, "scans"));
     }
     entries.append(entry);
   }
@@ -82,22 +82,25 @@ scene::Config config_of_list(const py::sequence& scans, const std::vector<std::s
   return config_of_text(text_of(config), settings);
 }
 
-py::dict register_scans(const py::object& scans, unsigned threads, const py::object& progress,
+py::dict register_scans(const py::object& scans, const py::object& threads, const py::object& progress,
                         const py::kwargs& options) {
+  const unsigned count = threads_of(threads);
   py::dict block;
   if (!options.empty()) block["register"] = options;
   const std::vector<std::string> settings = settings_of(block);
+  std::vector<CloudPointer> clouds;
   std::list<CloudFile> files;
   std::optional<scene::Config> config;
   if (py::isinstance<py::dict>(scans)) {
     config = config_of_text(text_of(scans), settings);
-  } else if (py::isinstance<py::list>(scans) || py::isinstance<py::tuple>(scans)) {
-    config = config_of_list(py::reinterpret_borrow<py::sequence>(scans), settings, files);
+  } else if (const std::optional<py::list> listed = items_of(scans)) {
+    config = config_of_list(*listed, settings, clouds, files);
   } else {
     config = scene::load_config(path_of(scans, "scans"), settings);
   }
   return dict_of(run(progress, [&](Progress& told) {
-    ThreadPool pool(threads);
+    for (const CloudFile& file : files) file.write(told);
+    ThreadPool pool(count);
     return pipeline::register_scans(config->scans, config->registration.value_or(scene::RegisterConfig{}),
                                     {pool, told});
   }));
@@ -181,14 +184,14 @@ py::list judge(const py::object& folder, const py::object& results) {
   const std::string data = path_of(folder, "folder");
   const std::string forces = path_of(results, "results");
   const protocol::Verdict verdict = [&] {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     return protocol::judge(data, forces);
   }();
   py::list cases;
   for (const protocol::Judgement& judgement : verdict.cases) {
     const protocol::Score& score = judgement.score;
     py::dict told;
-    told["case"] = judgement.case_name;
+    told["case"] = str_of(judgement.case_name);
     told["pass"] = judgement.pass();
     told["error_median"] = score.error_median;
     told["error_p99"] = score.error_p99;
@@ -206,7 +209,7 @@ py::list judge(const py::object& folder, const py::object& results) {
 }  // namespace
 
 void bind_stages(py::module_& module) {
-  module.def("register", &register_scans, py::arg("scans"), py::kw_only(), py::arg("threads") = 0U,
+  module.def("register", &register_scans, py::arg("scans"), py::kw_only(), py::arg("threads") = 0,
              py::arg("progress") = py::none(),
              R"(Finds the poses that make scans one cloud, as `sparsha register` does.
 
@@ -231,13 +234,15 @@ whole object, "close" or "leave". Returns a dict of what is known of a closed me
 Raises UsageError, Failure.)");
   module.def(
       "bench_export",
-      [](const py::object& folder) {
+      [](const py::object& folder, const py::object& progress) {
         const std::string path = path_of(folder, "folder");
-        const py::gil_scoped_release release;
-        protocol::export_benchmark(path);
+        run_without_lock(progress, [&](Progress& told) { protocol::export_benchmark(path, &told); });
       },
-      py::arg("folder"),
-      "Writes the open benchmark of forces (protocol.md), as `sparsha bench export` does. Raises UsageError, Failure.");
+      py::arg("folder"), py::kw_only(), py::arg("progress") = py::none(),
+      R"(Writes the open benchmark of forces (protocol.md), as `sparsha bench export` does.
+
+progress: called with ("export", fraction). Raises UsageError, Failure; KeyboardInterrupt on Ctrl-C, which leaves no
+folder.)");
   module.def("bench_judge", &judge, py::arg("folder"), py::arg("results"),
              R"(Judges forces, as `sparsha bench judge` does: one dict a case, shares and errors as fractions.
 

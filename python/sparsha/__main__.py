@@ -10,7 +10,6 @@ import os
 import pathlib
 import sys
 import tempfile
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -34,7 +33,7 @@ def core_forces(folder: pathlib.Path, case: dict[str, str], surfaces: _Surfaces)
         surfaces[surface] = heights, (x[-1] - x[0]) / (len(x) - 1), (x[0], y[0], 0)
     heights, spacing, origin = surfaces[surface]
     renderer = Renderer.of_heights(heights, spacing, origin=origin, surface="c1", stiffness=float(case["stiffness_n_per_m"]))
-    path = np.loadtxt(folder / "paths" / f"{case['case']}.csv", delimiter=",", skiprows=1, ndmin=2)
+    path = opinion.read_path(folder / "paths" / f"{case['case']}.csv")
     return path[:, 0], renderer.trace(path[:, 1:4], time=path[:, 0]).force
 
 
@@ -76,7 +75,7 @@ def scene_passes(folder: pathlib.Path, work: str) -> bool:
     return bool(view["pass"] and scan["pass"])
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python3 -m sparsha", description=__doc__.split("\n")[0])
     parser.add_argument("folder", nargs="?", type=pathlib.Path,
                         help="of `sparsha bench export` (default: a new one that goes afterwards), or a scene")

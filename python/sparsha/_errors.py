@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import builtins
+import re
 
 
 class Error(Exception):
@@ -52,10 +53,29 @@ _OF_KIND = {1: Failure, 2: UsageError, 3: InputError, 4: DeviceError}
 
 def of_core(kind: int, message: str, file: str, line: int, column: int, wrong: str, expected: str) -> Error:
     """The exception for an error of the core; called by the module _core."""
-    message, file, expected = (_without_options(text) for text in (message.removeprefix("error: "), file, expected))
+    message, wrong, expected = (_as_arguments(text) for text in (message.removeprefix("error: "), wrong, expected))
+    file = file.replace("--set ", "")  # of a key in place of a file
     return _OF_KIND.get(kind, Failure)(message, file or None, line or None, column or None, wrong, expected)
 
 
-def _without_options(text: str) -> str:
-    """Keys and devices by their names alone, where the program names the options that they are given by."""
-    return text.replace("--set ", "").replace("--device ", "")
+_FLAGS = {"force", "front", "haptics", "nodes", "trust"}
+
+
+def _as_arguments(text: str) -> str:
+    """Arguments of the package, where the program names its options: "--size-mm" is size_mm, "--nodes" is nodes=True,
+    "--holes leave" is holes='leave', and keys and devices are by their names alone. What stands between ` is a command."""
+    text = text.replace(" and no --headless", "")
+
+    def argument(match: re.Match[str]) -> str:
+        option, value = match[1], match[2]
+        if option is None:
+            return match[0]
+        if option in ("set", "device"):
+            return value or "the device" if option == "device" else value or "a key"
+        name = str(option).replace("-", "_")
+        if name in _FLAGS:
+            return f"{name}=True" + (f" {value}" if value else "")
+        if value and re.fullmatch(r"\d+[kMG]?B|leave|close", value):
+            return f"{name}='{value}'"
+        return name + (f" {value}" if value else "")
+    return re.sub(r"`[^`]*`|(?<![\w-])--([a-z][a-z-]*)(?: ([\w.\[\]]+))?", argument, text)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import csv
 import os
 import pathlib
+import warnings
 
 import numpy as np
 import numpy.typing as npt
@@ -21,13 +22,39 @@ def read_nodes(path: str | os.PathLike[str]) -> _Array:
     header = data[:end].decode("ascii").split("\n")
     if header[0] != "ply" or "format binary_little_endian 1.0" not in header:
         raise ValueError(f"{path}: no binary little-endian PLY")
-    count = next(int(line.split()[2]) for line in header if line.startswith("element vertex"))
+    count = next((int(line.split()[2]) for line in header if line.startswith("element vertex ")), 0)
     before_faces = header[:next((n for n, line in enumerate(header) if line.startswith("element face")), len(header))]
     names = [line.split()[1:] for line in before_faces if line.startswith("property")]
     kinds = {"double": "<f8", "float": "<f4", "uchar": "u1", "int": "<i4", "uint": "<u4"}
+    unknown = [" ".join(name) for name in names if len(name) != 2 or name[0] not in kinds]
+    if unknown or not {"x", "y", "z"} <= {name[1] for name in names}:
+        raise ValueError(f"{path}: expected x, y and z, and properties of {', '.join(kinds)}" + "".join(f"; found {n}" for n in unknown))
+    if count == 0:
+        raise ValueError(f"{path}: no vertices")
     rows = np.frombuffer(data, np.dtype([(name, kinds[kind]) for kind, name in names]), count, end)
     nodes: _Array = np.stack([rows["x"], rows["y"], rows["z"]], axis=-1).astype(float)
     return nodes
+
+
+def read_path(file: str | os.PathLike[str]) -> _Array:
+    """Time, x, y and z of a hand: (n, 4) or more columns."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of an empty file, which is refused below
+        path: _Array = np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2)
+    if path.shape[0] == 0 or path.shape[1] < 4:
+        raise ValueError(f"{file}: expected rows of a time and a place")
+    return path
+
+
+def read_cases(folder: str | os.PathLike[str]) -> list[dict[str, str]]:
+    """The rows of cases.csv."""
+    path = pathlib.Path(folder) / "cases.csv"
+    with open(path, encoding="ascii") as file:
+        rows = list(csv.DictReader(file))
+    needed = ("case", "surface", "stiffness_n_per_m", "ticks")
+    if not rows or any(row.get(name) is None for row in rows for name in needed):
+        raise ValueError(f"{path}: expected cases with {', '.join(needed)}")
+    return rows
 
 
 def slopes(values: _Array, step: float) -> _Array:
@@ -51,8 +78,12 @@ class Spline:
     """z = f(x, y) and its derivatives, from nodes on a regular grid in any order."""
 
     def __init__(self, nodes: _Array) -> None:
+        if not np.isfinite(nodes).all():
+            raise ValueError("some nodes are not finite")
         x, column = np.unique(np.round(nodes[:, 0], 9), return_inverse=True)
         y, row = np.unique(np.round(nodes[:, 1], 9), return_inverse=True)
+        if len(x) < 4 or len(y) < 4:
+            raise ValueError("the nodes are no grid of 4 x 4 or more")
         self.x0, self.y0 = x[0], y[0]
         self.dx, self.dy = (x[-1] - x[0]) / (len(x) - 1), (y[-1] - y[0]) / (len(y) - 1)
         f = np.full((len(x), len(y)), np.nan)
@@ -117,15 +148,14 @@ def render(folder: str | os.PathLike[str], results: str | os.PathLike[str]) -> l
     """Renders every case of an exported benchmark and writes results.csv for `sparsha bench judge`."""
     folder = pathlib.Path(folder)
     splines = {}
-    with open(folder / "cases.csv", encoding="ascii") as file:
-        cases = list(csv.DictReader(file))
+    cases = read_cases(folder)
     with open(results, "w", encoding="ascii") as out:
         out.write("case,t_s,force_x_n,force_y_n,force_z_n\n")
         for case in cases:
             surface = case["surface"]
             if surface not in splines:
                 splines[surface] = Spline(read_nodes(folder / "surfaces" / f"{surface}.ply"))
-            path = np.loadtxt(folder / "paths" / f"{case['case']}.csv", delimiter=",", skiprows=1, ndmin=2)
+            path = read_path(folder / "paths" / f"{case['case']}.csv")
             found = forces(splines[surface], path[:, 1:4], float(case["stiffness_n_per_m"]))
             for time, force in zip(path[:, 0], found):
                 out.write(f"{case['case']},{time:.17g},{force[0]:.17g},{force[1]:.17g},{force[2]:.17g}\n")

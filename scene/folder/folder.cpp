@@ -296,7 +296,7 @@ SceneDescription parse_scene(const fs::path& folder) {
 class FolderScene final : public Scene {
  public:
   FolderScene(fs::path folder, SceneDescription description)
-      : folder_(std::move(folder)), description_(std::move(description)) {}
+      : folder_(std::move(folder)), description_(std::move(description)), opened_(heights_written(folder_)) {}
 
   [[nodiscard]] const SceneDescription& description() const override { return description_; }
   [[nodiscard]] fs::path folder() const override { return folder_; }
@@ -331,10 +331,24 @@ class FolderScene final : public Scene {
       layers.colour_rgba.assign(count, 0);
       read_layer(path / "colour.tif", region, std::span<std::uint32_t>(layers.colour_rgba));
     }
+    require_same_folder();
     return layers;
   }
 
  private:
+  /// When the heights were written, which a scene's folder says for as long as nothing else takes its place.
+  static fs::file_time_type heights_written(const fs::path& folder) {
+    std::error_code code;
+    return fs::last_write_time(level_folder(folder, 0) / "height.tif", code);
+  }
+  /// What was read of another scene would not fit what is known of this one.
+  void require_same_folder() const {
+    const fs::file_time_type now = heights_written(folder_);
+    if (now == opened_ || now == fs::file_time_type::min()) return;  // what is missing is told by its name
+    throw input_error(folder_.string(), "another scene has taken the place of the one that was opened",
+                      "the scene opened again");
+  }
+
   void check_layers(const fs::path& path, const Lattice& lattice) const {
     for (const std::string& name : layer_names(description_)) {
       const LayerKind kind = name == "mask" ? LayerKind::byte : name == "colour" ? LayerKind::rgba : LayerKind::number;
@@ -344,24 +358,31 @@ class FolderScene final : public Scene {
 
   fs::path folder_;
   SceneDescription description_;
+  fs::file_time_type opened_;
 };
 
-void write_level(const Layers& layers, const SceneDescription& scene, const fs::path& folder) {
+template <typename Written>
+void write_level(const Layers& layers, const SceneDescription& scene, const fs::path& folder, const Written& written) {
   fs::create_directories(folder);
   const Lattice& lattice = layers.grid.lattice;
   const int nx = lattice.nx;
   const int ny = lattice.ny;
   write_layer(folder / "height.tif", nx, ny, std::span<const float>(layers.grid.height_m));
+  written();
   write_file(folder / "height.tfw", world_file(lattice, scene));
   write_file(folder / kVrtFile, vrt_file(lattice, scene, layer_names(scene)));
   static_assert(sizeof(NodeState) == 1, "a mask is the states' bytes");
   const auto* mask = reinterpret_cast<const std::uint8_t*>(layers.grid.state.data());
   write_layer(folder / "mask.tif", nx, ny, std::span<const std::uint8_t>(mask, lattice.count()));
+  written();
   for (const OptionalLayer& layer : kFloatLayers) {
     if (!(scene.*(layer.present))) continue;
     write_layer(folder / fmt::format("{}.tif", layer.name), nx, ny, std::span<const float>(layers.*(layer.values)));
+    written();
   }
-  if (scene.has_colour) write_layer(folder / "colour.tif", nx, ny, std::span<const std::uint32_t>(layers.colour_rgba));
+  if (!scene.has_colour) return;
+  write_layer(folder / "colour.tif", nx, ny, std::span<const std::uint32_t>(layers.colour_rgba));
+  written();
 }
 
 }  // namespace
@@ -407,13 +428,29 @@ ScenePointer open_scene(const fs::path& folder, Trust trust) {
 }
 
 void write_scene(const Scene& scene, const fs::path& folder) {
+  Progress unheard;
+  write_scene(scene, folder, unheard);
+}
+
+void write_scene(const Scene& scene, const fs::path& folder, Progress& progress) {
   const SceneDescription& description = scene.description();
+  const std::size_t layers_a_level = layer_names(description).size();
+  double all = 0.0;
+  for (const Lattice& level : description.levels) all += static_cast<double>(level.count());
+  double written = 0.0;
   for (std::size_t level = 0; level < description.levels.size(); ++level) {
+    const double nodes = static_cast<double>(description.levels[level].count()) / static_cast<double>(layers_a_level);
+    const auto look = [&] { progress.at(std::min(1.0, written / all)); };
+    const auto layer_written = [&] {
+      written += nodes;
+      look();
+    };
+    look();
     const auto l = static_cast<int>(level);
     if (const Layers* layers = scene.in_memory(l)) {
-      write_level(*layers, description, level_folder(folder, level));
+      write_level(*layers, description, level_folder(folder, level), layer_written);
     } else {
-      write_level(scene.read_level(l), description, level_folder(folder, level));
+      write_level(scene.read_level(l), description, level_folder(folder, level), layer_written);
     }
   }
   if (const auto& map = description.check_map)

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/files/files.h"
+#include "base/threads/progress.h"
 #include "scene/scene_fwd.h"
 
 namespace sparsha::scene {
@@ -15,6 +16,9 @@ inline constexpr const char* kNotesFile = "notes.yaml";
 
 /// What write_scene() writes besides scene.yaml and clips, relative to the scene's folder.
 [[nodiscard]] std::vector<std::filesystem::path> layer_files(const SceneDescription& scene);
+
+/// write_scene() that tells `progress` the share of the present stage that is done. Throws Cancelled besides.
+void write_scene(const Scene& scene, const std::filesystem::path& folder, Progress& progress);
 
 /// Writes scene.yaml anew, with all else as it is: for a description whose labels were edited. Throws Error{failure}.
 void write_description(const Scene& scene, const std::filesystem::path& folder);

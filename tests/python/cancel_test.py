@@ -121,6 +121,70 @@ class CtrlC(unittest.TestCase):
         self.assertEqual(sum(1 for _ in open(files[-1])), len(path) + 1)
         self.assertLessEqual({p.name for p in self.folder.iterdir()}, {"scratch", *(p.name for p in files)})
 
+    def test_saving_a_scene_is_told_and_ends_and_leaves_no_folder(self):
+        told = []
+        coloured = sparsha.Cloud(self.points, colour=np.full((len(self.points), 3), 0.5))
+        scene = sparsha.build(coloured, config={"grid": {"spacing_mm": 0.04, "colour": True}})
+
+        def save(progress):
+            folders.append(self.folder / f"{len(folders)}.scene")
+            scene.save(folders[-1], progress=progress)
+        folders = []
+        self.assert_ends_early(save)
+        self.assertFalse(folders[-2].exists())
+        np.testing.assert_array_equal(sparsha.open(folders[-1]).heights(), scene.heights())
+        self.scene.save(self.folder / "told.scene", progress=lambda *step: told.append(step))
+        self.assertEqual((told[0][0], told[-1]), ("write", ("write", 1.0)))
+        self.assertEqual(told, sorted(told))
+        self.assertLessEqual({p.name for p in self.folder.iterdir()}, {"scratch", "told.scene", *(p.name for p in folders)})
+
+    def test_exporting_the_benchmark_ends_and_leaves_no_folder(self):
+        def export(progress):
+            folders.append(self.folder / f"bench{len(folders)}")
+            sparsha.bench_export(folders[-1], progress=progress)
+        folders = []
+        self.assert_ends_early(export)
+        self.assertFalse(folders[-2].exists())
+        self.assertTrue((folders[-1] / "cases.csv").exists())
+
+    def test_a_replica_ends(self):
+        def export(progress):
+            files.append(self.folder / f"{len(files)}.3mf")
+            sparsha.export(self.scene, files[-1], progress=progress)
+        files = []
+        self.assert_ends_early(export)
+        self.assertFalse(files[-2].exists())
+
+    def ends_early_without_progress(self, work):
+        """Whether a signal ends `work`, which tells of no progress, before its end: a note says so."""
+        begun = time.perf_counter()
+        work()
+        whole = time.perf_counter() - begun
+        for attempt in range(TRIES):
+            def send():
+                time.sleep(whole * (0.1 + 0.8 * attempt / TRIES))
+                os.kill(os.getpid(), signal.SIGINT)
+            thread = threading.Thread(target=send)
+            with self.assertRaises(KeyboardInterrupt) as raised:
+                thread.start()
+                try:
+                    work()
+                finally:
+                    thread.join()
+                while True:
+                    time.sleep(0.001)
+            if getattr(raised.exception, "__notes__", []):
+                return True
+        return False
+
+    def test_making_clouds_heights_and_renderers_ends(self):
+        points = np.tile(self.points, (8, 1))
+        heights = np.zeros((2000, 2000), np.float32)
+        for work in (lambda: sparsha.Cloud(points), lambda: sparsha.Renderer.of_heights(heights, 0.001),
+                     lambda: sparsha.Renderer(self.scene, tip_radius_mm=2.0)):
+            self.assertTrue(self.ends_early_without_progress(work))
+        self.assertEqual(len(sparsha.Cloud(points)), len(points))
+
     def test_what_progress_raises_is_noted_too(self):
         def stop(stage, share):
             raise LookupError(stage)
@@ -131,6 +195,45 @@ class CtrlC(unittest.TestCase):
             if hasattr(raised.exception, "__notes__"):
                 return
         self.fail("the work never ended early")
+
+
+class OtherThreads(unittest.TestCase):
+    """What another thread does while a large array is taken in: it has many turns, and not one at the end."""
+
+    def turns_during(self, work):
+        turns, done = [0], threading.Event()
+
+        def count():
+            while not done.is_set():
+                turns[0] += 1
+                time.sleep(0.0005)
+        thread = threading.Thread(target=count)
+        thread.start()
+        before = time.thread_time()
+        work()
+        held = time.thread_time() - before  # by the calling thread itself, which only waits where the work is not its own
+        done.set()
+        thread.join()
+        return turns[0], held
+
+    def register(self, cloud):
+        with self.assertRaises(sparsha.InputError):  # once the clouds' files are written: a wave may slide
+            sparsha.register([cloud, cloud], voxel_mm=20)
+
+    def test_they_go_on(self):
+        warnings.simplefilter("ignore", sparsha.Warning)
+        points = np.tile(wave_points(500, 500, 0.0002), (8, 1))
+        cloud, path = sparsha.Cloud(points), np.tile([0.001, 0.001, 0.1], (10**6, 1))
+        heights = np.zeros((2500, 2500), np.float32)
+        renderer = sparsha.Renderer.of_heights(np.zeros((9, 9)), 0.001)
+        for name, work in (("Cloud", lambda: sparsha.Cloud(points)), ("of_heights", lambda: sparsha.Renderer.of_heights(heights, 0.001)),
+                           ("trace", lambda: renderer.trace(path)),
+                           ("register", lambda: self.register(cloud))):
+            whole = time.process_time()
+            turns, held = self.turns_during(work)
+            whole = time.process_time() - whole
+            self.assertGreater(turns, 3, name)
+            self.assertLess(held, 0.35 * whole, name)
 
 
 if __name__ == "__main__":

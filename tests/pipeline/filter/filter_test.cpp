@@ -96,7 +96,7 @@ TEST(NeighbourTree, AgreesWithBruteForceOnEveryPoint) {
     for (const int k : {1, 8, 20}) {
       const Cloud cloud = cloud_of(points);
       const std::vector<float> mean =
-          NeighbourTree(cloud.xyz1(), cloud.size(), pool).mean_distances(k, {pool, progress});
+          NeighbourTree(cloud.xyz1(), cloud.size(), {pool, progress}).mean_distances(k, {pool, progress});
       for (std::size_t i = 0; i < points.size(); i += 1 + count / 200) {
         const float expected = brute_force_mean(points, i, static_cast<std::size_t>(k));
         // Squares of float32 differences: a few roundings of the largest coordinate's last place.
