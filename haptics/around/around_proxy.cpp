@@ -21,8 +21,11 @@ constexpr double kRimGap = 0.5;              // cells: that such a rim counts fu
 constexpr double kEdgeGap = 1.5;             // cells: so far past an edge the proxy may have come
 constexpr double kHeldGap = 0.6;             // cells: so near a sheet may hold a proxy that leaves another
 constexpr double kHeldDepth = 0.5;           // cells: of the hand below that sheet's tangent plane, at least
+constexpr double kBesideEdge = 0.5;          // cells: of a hand before an edge's other face, at least
+constexpr double kRoundEdge = 1.0;           // cells: before both faces, of a way round an edge
 constexpr double kNearer = 1e-3;             // cells: that a proxy has come nearer to the hand
 constexpr double kBelow = 1e-9;              // cells: the solver lifts the proxy onto the surface
+constexpr double kHair = 4e-9;               // cells: a flight begins so far on its way off the surface
 constexpr int kMostTakeOffs = 8;             // a tick
 constexpr double kCreaseStep = 0.5;          // cells
 constexpr double kCreaseRest = 1e-7;         // cells
@@ -64,7 +67,7 @@ class Course {
   /// True when there is more to do.
   bool fly_on() noexcept {
     ++found_.segments;
-    const Eigen::Vector3d from = state_.position_m;
+    const Eigen::Vector3d from = off_surface();
     const Flight flight = fly(object_, from, hip_m_, take_offs_ > 0, options_.shape);
     if (flight.crossing) {
       land(*flight.crossing);
@@ -73,6 +76,16 @@ class Course {
     state_.position_m = flight.share >= 1.0 ? hip_m_ : Eigen::Vector3d(from + flight.share * (hip_m_ - from));
     found_.unfinished = flight.share < 1.0;
     return false;
+  }
+
+  /// Where a flight begins. The solver leaves a crease by the cell that the way leads into; rounding may have put the
+  /// place into the cell behind, which the way would enter at once. At a crease that goes along with the way it takes
+  /// more: the step grows with the take-offs of a tick.
+  [[nodiscard]] Eigen::Vector3d off_surface() const noexcept {
+    const Eigen::Vector3d pull = hip_m_ - state_.position_m;
+    const double hair_m = std::ldexp(kHair * object_.spacing_m, 2 * take_offs_);
+    if (take_offs_ == 0 || pull.norm() <= hair_m) return state_.position_m;
+    return state_.position_m + hair_m * pull.normalized();
   }
 
   void land(const Crossing& crossing) noexcept {
@@ -153,6 +166,7 @@ class Course {
   /// sheet until the next tick. True when there is more to do.
   bool leave(std::uint32_t but) noexcept {
     if (is_outside(object_, hip_m_, state_.position_m)) return fly_off();
+    if (is_past_edge()) return let_go();
     const double h = object_.spacing_m;
     const Eigen::Vector3d pull = hip_m_ - state_.position_m;
     const SheetView own = view_of(sheet(), state_.position_m);
@@ -189,6 +203,45 @@ class Course {
   bool fly_off() noexcept {
     take_off(state_.position_m);
     return ++take_offs_ <= kMostTakeOffs || stop_unfinished();
+  }
+
+  /// To a hand that is outside. Nothing more to do.
+  bool let_go() noexcept {
+    take_off(hip_m_);
+    return false;
+  }
+
+  /// Has the hand come past an edge, so that nothing holds it? It is before a face that the proxy is not far before,
+  /// and a way off the proxy's face, before that one and from there to the hand meets nothing.
+  [[nodiscard]] bool is_past_edge() const noexcept {
+    const SheetView own = view_of(sheet(), state_.position_m);
+    const double h = object_.spacing_m;
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    if (own.cell != kNoCell) normal = own.normal;
+    const Eigen::Vector3d off_m = state_.position_m + kRoundEdge * h * normal;
+    bool rises = false;
+    for (const double share : {0.0, 0.5, 1.0}) {
+      const Eigen::Vector3d near_m = state_.position_m + share * (hip_m_ - state_.position_m);
+      for (const Passing& passing : object_.blocks.sheets_at(near_m)) {
+        const SheetView view = view_of(object_.sheets[passing.sheet], near_m);
+        // The other face of a thin wall is no way round.
+        if (view.cell == kNoCell || view.normal.dot(normal) <= -kSameNormal) continue;
+        const Eigen::Vector3d foot_m = object_.sheets[passing.sheet].to_object(view.local);
+        if ((hip_m_ - foot_m).dot(view.normal) < kBesideEdge * h) continue;
+        if ((state_.position_m - foot_m).dot(view.normal) > kEdgeGap * h) continue;
+        rises = rises || is_free(state_.position_m, off_m, true);
+        if (!rises) return false;
+        const double behind_m = kRoundEdge * h - (off_m - foot_m).dot(view.normal);
+        const Eigen::Vector3d before_m = off_m + std::max(0.0, behind_m) * view.normal;
+        if (is_free(off_m, before_m, false) && is_free(before_m, hip_m_, false)) return true;
+      }
+    }
+    return false;
+  }
+
+  [[nodiscard]] bool is_free(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, bool leaving) const noexcept {
+    const Flight flight = fly(object_, from_m, to_m, leaving, options_.shape);
+    return !flight.crossing && flight.share >= 1.0;
   }
 
   /// Where the proxy has come to a place that is not open.
@@ -242,6 +295,7 @@ class Course {
     const Flight flight = fly(object_, state_.position_m, hip_m_, true, options_.shape);
     ++found_.segments;
     if (flight.crossing) return go_over(*flight.crossing, kLookCell) ? Look::moves : Look::stays;
+    if (is_past_edge()) return let_go() ? Look::moves : Look::leaves;
     if (flight.share < 1.0 || !is_outside(object_, hip_m_, state_.position_m)) return Look::stays;
     if (held_at(object_, state_.sheet, state_.position_m) != Held::outside) return Look::stays;
     take_off(hip_m_);
@@ -407,6 +461,7 @@ class Course {
   }
 
   AroundUpdate finish() noexcept {
+    if (state_.sheet != kNoSheet && cell_here() < kOpenCell && is_past_edge()) found_.unfinished = let_go();
     found_.position_m = state_.position_m;
     if (state_.seam.left > 0.0 || rested_m_) fade_seam();
     found_.sheet = state_.sheet;

@@ -305,7 +305,8 @@ std::optional<Crossing> surface_over(const ObjectSurface& object, const Eigen::V
   for (const Passing& passing : object.blocks.sheets_at(place_m)) {
     const std::uint32_t sheet = passing.sheet;
     const SheetView view = view_of(object.sheets[sheet], place_m);
-    if (view.cell == kNoCell || view.gap_m > kOutsideRimCells * object.spacing_m) continue;
+    const double most = view.cell == kRimCell ? kOutsideRimCells : kOutsideCells;
+    if (view.cell == kNoCell || view.gap_m > most * object.spacing_m) continue;
     if (view.gap_m > kOnEdge * object.spacing_m) return {};
     if (view.cell == kRimCell || -view.gap_m >= least) continue;
     least = -view.gap_m;

@@ -383,6 +383,20 @@ TEST(Around, AConcaveCornerHoldsTheHandAndLetsItSlideAlong) {
   }
 }
 
+TEST(Around, NothingIsOverAPlaceThatAMeasuredSheetSaysIsOutside) {
+  // Below a floor at z = 0, before a wall at x = 10 mm that faces -x.
+  scene::Charts charts;
+  charts.spacing_m = 1e-3;
+  charts.sheets.push_back(level_sheet(scene::Side::front, -30, -30, 41, 61, 0.0));
+  charts.sheets.push_back(level_sheet(scene::Side::left, -30, -30, 61, 61, -10.0));
+  const auto object = haptics::make_object_surface(charts);
+  for (const double before : {2.0, 4.0, 4.4}) {
+    const Vector3d place = 1e-3 * Vector3d(10.0 - before, 0.3, -3.0);
+    EXPECT_EQ(haptics::held_at(*object, haptics::kNoSheet, place), haptics::Held::outside) << before;
+    EXPECT_FALSE(haptics::surface_over(*object, place)) << before;
+  }
+}
+
 TEST(Around, AHandThatIsNoNumberChangesNothing) {
   const Touched on = touched("torus", make_torus());
   AroundState state;
