@@ -2,6 +2,7 @@
 #include "pipeline/scan/formats/text/time_column.h"
 
 #include <cstdint>
+#include <limits>
 
 #include "base/numbers/statistics.h"
 
@@ -84,48 +85,60 @@ std::uint64_t count_rises_within(const Values& time, const Values& sweep) {
   return rises;
 }
 
-/// Whether one column is a multiple of another and a constant.
+/// Whether one column is a multiple of another and a constant, but for rounding.
 bool is_linear(const Values& x, const Values& y) {
-  constexpr double kOff = 1e-4;  // of the deviation
-  const auto mean = [](const Values& values) {
-    double sum = 0.0;
-    for (const double v : values) sum += v;
-    return sum / static_cast<double>(values.size());
-  };
-  const double mean_x = mean(x);
-  const double mean_y = mean(y);
-  double xx = 0.0, xy = 0.0, yy = 0.0;
+  constexpr double kOff = 1e-3;  // of the deviation; of a time and rows of a surface it is one over the rows
+  double sum_x = 0.0, sum_y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    xx += (x[i] - mean_x) * (x[i] - mean_x);
-    xy += (x[i] - mean_x) * (y[i] - mean_y);
-    yy += (y[i] - mean_y) * (y[i] - mean_y);
+    const double dx = x[i] - x[0];
+    const double dy = y[i] - y[0];
+    sum_x += dx;
+    sum_y += dy;
+    xx += dx * dx;
+    xy += dx * dy;
+    yy += dy * dy;
   }
+  const auto count = static_cast<double>(x.size());
+  xx -= sum_x * sum_x / count;
+  xy -= sum_x * sum_y / count;
+  yy -= sum_y * sum_y / count;
   return !(xx > 0.0) || yy - xy * xy / xx <= kOff * kOff * yy;
 }
 
-/// Whether the first column rises in a fixed ratio to a sweep, and by another step from one sweep to the next: rows of
-/// a lattice that is turned by less than a step per row.
+/// Whether the first column rises in a fixed ratio to a sweep, but for rounding, and by another step from one sweep to
+/// the next: rows of a lattice that is turned by less than a step per row.
 bool is_turned_lattice(const Values& x, const Values& sweep) {
   constexpr double kLike = 0.1;
   constexpr double kMost = 0.95;
+  constexpr double kOneRounding = 1.01;  // in binary
+  constexpr double kOther = 3.0;         // roundings
   Values ratios, within, between;
+  double rounding = std::numeric_limits<double>::infinity();  // no more than the least step
   for (std::size_t i = 2; i < sweep.size(); ++i) {
     const double step = sweep[i] - sweep[i - 1];
     const double before = sweep[i - 1] - sweep[i - 2];
+    const double rise = x[i] - x[i - 1];
     if (step * before > 0.0) {
-      ratios.push_back((x[i] - x[i - 1]) / step);
-      within.push_back(x[i] - x[i - 1]);
+      ratios.push_back(rise / step);
+      within.push_back(rise);
+      if (rise > 0.0) rounding = std::min(rounding, rise);
     } else if (before != 0.0) {
-      between.push_back(x[i] - x[i - 1]);
+      between.push_back(rise);
     }
   }
-  if (ratios.empty() || between.empty()) return false;
+  if (within.empty() || between.empty()) return false;
   const double ratio = median(ratios);
-  const auto alike = std::count_if(ratios.begin(), ratios.end(),
-                                   [&](double r) { return std::abs(r - ratio) <= kLike * std::abs(ratio); });
+  std::size_t alike = 0;
+  for (std::size_t i = 2; i < sweep.size(); ++i) {
+    const double step = sweep[i] - sweep[i - 1];
+    if (!(step * (sweep[i - 1] - sweep[i - 2]) > 0.0)) continue;
+    const double expected = ratio * step;
+    alike +=
+        std::abs(x[i] - x[i - 1] - expected) <= std::max(kLike * std::abs(expected), kOneRounding * rounding) ? 1 : 0;
+  }
   const double step = median(within);
-  return static_cast<double>(alike) >= kMost * static_cast<double>(ratios.size()) &&
-         std::abs(median(between) - step) > kLike * step;
+  return static_cast<double>(alike) >= kMost * static_cast<double>(within.size()) &&
+         std::abs(median(between) - step) > std::max(kLike * step, kOther * rounding);
 }
 
 }  // namespace

@@ -257,7 +257,8 @@ TEST(XyzReader, AnXThatNeverFallsIsNotDoubtedAsATime) {
     for (int k = 0; k < 1600; ++k) sorted.push_back(relief.at(k));
     const auto by_x = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return a.x() < b.x(); };
     std::sort(sorted.begin(), sorted.end(), by_x);
-    std::string of_sorted, columns, there_and_back, turned, level, slanted, circle, section, corrugated, road, strips;
+    std::string of_sorted, columns, there_and_back, turned, turned_little, level, slanted, circle, section, corrugated,
+        road, strips;
     for (const Eigen::Vector3d& p : sorted) of_sorted += row(p.x(), p.y(), p.z()) + behinds[kind](p.x(), p.y());
     for (int k = 0; k < 1600; ++k) {
       const double u = 0.01 * (k / 40);
@@ -265,11 +266,13 @@ TEST(XyzReader, AnXThatNeverFallsIsNotDoubtedAsATime) {
       const double back = k / 40 % 2 == 0 ? v : 0.39 - v;
       columns += row(u, v, wave(u, v)) + behinds[kind](u, v);
       there_and_back += row(u, back, wave(u, back)) + behinds[kind](u, back);
-      const double x = u * std::cos(0.02) + v * std::sin(0.02);
-      const double y = v * std::cos(0.02) - u * std::sin(0.02);
-      turned += row(x, y, wave(u, v)) + behinds[kind](u, v);
+      const auto turn = [&](double angle) {
+        return row(u * std::cos(angle) + v * std::sin(angle), v * std::cos(angle) - u * std::sin(angle), wave(u, v));
+      };
+      turned += turn(0.02) + behinds[kind](u, v);
+      turned_little += turn(0.002) + behinds[kind](u, v);
       const double along = 0.002 * k + relief.chance(0, 0.0015);
-      level += row(along, 0.25, 0.02 * std::sin(25 * along)) + behinds[kind](along, 0.25);
+      level += row(along, 0.2, 0.02 * std::sin(25 * along)) + behinds[kind](along, 0.25);
       slanted += row(along, 0.3 * along + 1, 0.02 * std::sin(25 * along)) + behinds[kind](along, 0.25);
       circle += row(u, 0.1 * std::cos(16 * v), 0.1 * std::sin(16 * v)) + behinds[kind](u, v);
       section += row(u, 0.1 * std::cos(16.11 * v + 0.7), 0.1 * std::sin(16.11 * v + 0.7)) + behinds[kind](u, v);
@@ -282,6 +285,7 @@ TEST(XyzReader, AnXThatNeverFallsIsNotDoubtedAsATime) {
     EXPECT_EQ(doubt_of(columns), "");
     EXPECT_EQ(doubt_of(there_and_back), "");
     EXPECT_EQ(doubt_of(turned), "");
+    EXPECT_EQ(doubt_of(turned_little), "");
     EXPECT_EQ(doubt_of(level), "");
     EXPECT_EQ(doubt_of(slanted), "");
     EXPECT_EQ(doubt_of(circle), "");
