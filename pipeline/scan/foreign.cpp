@@ -169,6 +169,12 @@ constexpr Kind kKinds[] = {
            "give its points3D.bin, or the fused.ply of its dense cloud"),
     tested([](const ScanFile& f) { return f.name.ends_with("cameras.bin"); }, "COLMAP's list of cameras (cameras.bin)",
            "give its points3D.bin, or the fused.ply of its dense cloud"),
+    tested([](const ScanFile& f) { return is_pose_list(f.bytes); },
+           "a list of poses, a turn and a place in twelve numbers each, as of KITTI", "give the scans that it places"),
+    tested(
+        [](const ScanFile& f) { return has_line(f.bytes, "bmesh "); },
+        "Stanford's list of scans with their places (.conf)",
+        "give the scans that it names, each with its 'pose' in a configuration, or let 'sparsha register' place them"),
     text("# bundle file v", "a Bundler reconstruction", "export its points as PLY"),
     text("nvm_v3", "a VisualSFM reconstruction (.nvm)", "export its points as PLY"),
     marked("b3dm"sv, "a tile of 3D Tiles", "take the glTF out of it ('3d-tiles-tools b3dmToGlb')"),

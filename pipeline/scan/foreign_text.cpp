@@ -128,6 +128,33 @@ bool is_element_list(std::string_view text) {
   return rows == std::min(kMostRows, (*counts)[0]);
 }
 
+bool is_pose_list(std::string_view text) {
+  constexpr std::size_t kNumbers = 12;
+  constexpr int kLooked = 100;
+  constexpr double kRounding = 1e-3;
+  LineReader lines(text);
+  std::string_view line;
+  int rows = 0;
+  for (; rows < kLooked && next_content(lines, line); ++rows) {
+    std::array<double, kNumbers> v{};
+    for (double& value : v) {
+      const std::string_view word = take_word(line);
+      if (word.empty() || parse_number(word.data(), word.data() + word.size(), value) != word.data() + word.size())
+        return false;
+    }
+    if (!trimmed(line).empty()) return false;
+    const auto product = [&](std::size_t a, std::size_t b) {
+      return v[4 * a] * v[4 * b] + v[4 * a + 1] * v[4 * b + 1] + v[4 * a + 2] * v[4 * b + 2];
+    };
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t b = a; b < 3; ++b) {
+        if (!(std::abs(product(a, b) - (a == b ? 1.0 : 0.0)) < kRounding)) return false;
+      }
+    }
+  }
+  return rows > 1;
+}
+
 bool is_colmap_images(std::string_view text) {
   if (text.starts_with("# Image list with two lines of data per image")) return true;
   LineReader lines(text);

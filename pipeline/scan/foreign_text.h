@@ -19,6 +19,9 @@ namespace sparsha::pipeline {
 /// A line with the number of rows and of corners, then rows of their number and as many numbers of points, each once:
 /// Triangle's and TetGen's .ele.
 [[nodiscard]] bool is_element_list(std::string_view text);
+/// Two rows or more of twelve numbers: the three rows of the matrix of a turn, each with a coordinate of a place behind
+/// it.
+[[nodiscard]] bool is_pose_list(std::string_view text);
 /// Lines of keys, one of them `scans`.
 [[nodiscard]] bool is_sparsha_config(std::string_view text);
 /// Whether one of its lines begins with that.

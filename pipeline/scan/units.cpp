@@ -89,7 +89,8 @@ std::optional<UnitGuess> doubt_metres(const Eigen::Vector3d& low, const Eigen::V
   const double side = (high - low).maxCoeff();
   const double away = low.cwiseAbs().cwiseMax(high.cwiseAbs()).maxCoeff();
   const bool no_place = is_no_place(low, high);
-  const bool in_mm = side > kLargestObject_m && (side < kLongestInMm || away < kLocal) && may_be_local(side, away);
+  const bool in_mm =
+      side > kLargestObject_m && away < kNoPlace && (side < kLongestInMm || away < kLocal) && may_be_local(side, away);
   if (no_place || in_mm) {
     const auto from_zero = [&](double metres) {
       return no_place ? " and " + length_text(away * metres) + " from zero" : std::string();

@@ -89,6 +89,15 @@ TEST(ForeignFiles, CornersOfTetGenAreNoPoints) {
   expect_named("3 3 0 0\n1 0 0 2\n2 1 1 5\n3 2 2 5\n", "a list of nodes", true);
 }
 
+TEST(ForeignFiles, ListsOfPosesAreNoPoints) {
+  const std::string turned = "0.6 -0.8 0 1.5 0.8 0.6 0 2.5 0 0 1 3.5\n";
+  expect_named("1 0 0 0 0 1 0 0 0 0 1 0\n" + turned + turned, "a list of poses", true);
+  EXPECT_FALSE(is_pose_list("1 0 0 0 0 1 0 0 0 0 1 0\n1 2 3 4 5 6 7 8 9 10 11 12\n"));
+  EXPECT_FALSE(is_pose_list(turned + "0.6 -0.8 0 1.5 0.8 0.6 0 2.5 0 0 1\n"));
+  expect_named("camera -0.017 -0.1 -0.05 -0.2 0.22 -0.006 0.97\nbmesh bun000.ply 0 0 0 0 0 0 1\n", "Stanford's list",
+               true);
+}
+
 TEST(ForeignFiles, ModelsAreNamed) {
   expect_named("# vtk DataFile Version 3.0\nrelief\nASCII\nDATASET POLYDATA\nPOINTS 1 float\n0 0 0\n",
                "a legacy VTK file", true);

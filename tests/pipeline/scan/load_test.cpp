@@ -457,7 +457,7 @@ TEST(GuessUnit, DoubtsMetresOfMillimetresThatLieFarFromZero) {
     for (const double site : {0.3, 3.0, 30.0, 100.0, 300.0}) EXPECT_FALSE(doubt(site, grid)) << grid << ", " << site;
   }
   EXPECT_FALSE(doubt(30, {1000, 5000, 100}));
-  EXPECT_FALSE(doubt(10, {1.7e9, 3, 1})) << "a time";
+  for (const double seconds : {10.0, 100.0}) EXPECT_FALSE(doubt(seconds, {1.7e9, 3, 1})) << "a time";
   EXPECT_FALSE(doubt(3e10, {3e10, 3e10, 3e10})) << "damage that no unit explains";
 }
 

@@ -40,7 +40,7 @@ const Expected kFiles[] = {
     {"scans/bunny_range/bun045.ply", 40097, 0, {0.1472, 0.1534, 0.1387}, 0, false, nullptr},
     {"scans/bunny_range/bun180.ply", 40251, 0, {0.1562, 0.1535, 0.09511}, 0, false, nullptr},
     {"scans/bunny_range/top3.ply", 36023, 0, {0.193, 0.1118, 0.142}, 0, false, nullptr},
-    {"scans/bunny_range/bun.conf", 0, 0, {}, 0, false, "no rows of numbers"},
+    {"scans/bunny_range/bun.conf", 0, 0, {}, 0, false, "Stanford's list of scans"},
     {"scans/bun_zipper.ply", 35947, 0, {0.1557, 0.1543, 0.1207}, 69451, false, nullptr},
     {"scans/armadillo_range/ArmadilloBack_0.ply", 19283, 0, {0.1878, 0.2805, 0.2384}, 0, false, nullptr},
     {"scans/armadillo_range/ArmadilloBack_10.ply", 29915, 0, {0.21, 0.1492, 0.2144}, 0, false, nullptr},
