@@ -84,41 +84,33 @@ std::vector<Eigen::Vector3d> crowded_places(const RawScan& scan, double apart) {
   return places;
 }
 
-/// Whether vertices at one place make spikes: they are many, and stand far, in usual edges, from those that faces join
-/// them to. At a place that is not 0 0 0 most of those must be of the surface, with other faces too, unlike the rim of
-/// a cone whose apex has many copies.
+/// Whether vertices at one place make spikes: they are many, stand far, in usual edges, from those that faces join them
+/// to, and fill a hole or each have faces all around. The copies of a cone's apex have one or two faces each.
 bool are_spikes(const RawScan& scan, const std::vector<bool>& there, double far, bool at_zero) {
   constexpr std::uint64_t kFewest = 4;
+  constexpr double kFewestFaces = 2.5;
   const auto count = static_cast<std::uint64_t>(std::count(there.begin(), there.end(), true));
   // Where triangles share no vertices, one place has many.
   const bool shared = 2 * scan.faces.size() > there.size() - count;
   if (!shared || count < kFewest || count <= there.size() / kOneIn) return false;
   std::vector<double> to_place;
   std::vector<double> others;
-  std::vector<bool> beside(there.size(), false);
-  std::vector<bool> elsewhere(there.size(), false);
-  bool any_face = false;
+  std::uint64_t within = 0;    // faces
+  std::uint64_t touching = 0;  // not within
   for (const auto& face : scan.faces) {
-    const bool touches = there[face[0]] || there[face[1]] || there[face[2]];
-    any_face = any_face || touches;
+    const int corners = int{there[face[0]]} + int{there[face[1]]} + int{there[face[2]]};
+    within += corners == 3 ? 1 : 0;
+    touching += corners == 1 || corners == 2 ? 1 : 0;
     for (std::size_t k = 0; k < 3; ++k) {
       const bool from = there[face[k]];
       const bool to = there[face[(k + 1) % 3]];
       const double length = edge_length(scan, face, k);
       if (length > 0.0 && !(from && to)) (from || to ? to_place : others).push_back(length);
-      if (!there[face[k]]) (touches ? beside : elsewhere)[face[k]] = true;
     }
   }
-  if (to_place.empty()) return at_zero || !any_face;
-  if (others.empty() || !(median(to_place) > far * median(others))) return false;
-  if (at_zero) return true;
-  std::uint64_t neighbours = 0;
-  std::uint64_t of_surface = 0;
-  for (std::size_t i = 0; i < beside.size(); ++i) {
-    neighbours += beside[i] ? 1 : 0;
-    of_surface += beside[i] && elsewhere[i] ? 1 : 0;
-  }
-  return 2 * of_surface >= neighbours;
+  if (to_place.empty()) return at_zero || within == 0;
+  return !others.empty() && median(to_place) > far * median(others) &&
+         (within > 0 || static_cast<double>(touching) >= kFewestFaces * static_cast<double>(count));
 }
 
 /// Vertices that a camera wrote where it saw nothing, and the place of most of them.

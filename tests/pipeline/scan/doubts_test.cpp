@@ -379,6 +379,11 @@ TEST(NoSurface, VerticesInBulkAtAnyOtherPlaceAreAHoleToo) {
       }
     }
   }
+  RawScan scattered = square_mesh();
+  for (const std::size_t n : {50U, 120U, 200U, 250U, 333U}) scattered.points[n] = {2, 3, 1};
+  drop_what_is_no_surface(scattered);
+  EXPECT_EQ(scattered.points.size(), 436U);
+  EXPECT_EQ(scattered.faces.size(), 800U - 30U);
   RawScan empty = square_mesh();
   for (Eigen::Vector3d& p : empty.points) p += Eigen::Vector3d(2, 3, 1);
   empty.points.resize(4410, Eigen::Vector3d(2, 3, 1));
@@ -399,22 +404,33 @@ TEST(NoSurface, VerticesTogetherThatBelongToTheSurfaceStay) {
   drop_what_is_no_surface(detail);
   EXPECT_EQ(detail.points.size(), 882U);
   EXPECT_THAT(detail.warnings, IsEmpty());
-  // A steep cone whose apex has a copy for each of its 200 sectors, with and without collapsed triangles, on a sheet.
-  for (const bool lathe : {false, true}) {
-    RawScan cone = square_mesh();
-    const auto apex = static_cast<std::uint32_t>(cone.points.size());
-    for (int k = 0; k < 200; ++k) cone.points.emplace_back(0.0, 0.0, 1.0);
-    for (int k = 0; k < 200; ++k)
-      cone.points.emplace_back(0.2 * std::cos(k * 0.0314), 0.2 * std::sin(k * 0.0314), -0.6);
-    for (std::uint32_t k = 0; k < 200; ++k) {
-      const std::uint32_t next = (k + 1) % 200;
-      cone.faces.push_back({apex + k, apex + 200 + k, apex + 200 + next});
-      if (lathe) cone.faces.push_back({apex + k, apex + 200 + next, apex + next});
-    }
-    drop_what_is_no_surface(cone);
-    EXPECT_EQ(cone.points.size(), 841U);
-    EXPECT_THAT(cone.warnings, IsEmpty());
-  }
+  // A steep cone whose apex has a copy for each of its 200 sectors, with and without collapsed triangles, beside a
+  // sheet or standing on it, with its apex at 0 0 0 or elsewhere.
+  for (const bool lathe : {false, true})
+    for (const bool joined : {false, true})
+      for (const double height : {0.0, 1.0}) {
+        SCOPED_TRACE(fmt::format("lathe {} joined {} height {}", lathe, joined, height));
+        RawScan cone = square_mesh();
+        const auto apex = static_cast<std::uint32_t>(cone.points.size());
+        for (int k = 0; k < 200; ++k) cone.points.emplace_back(0.0, 0.0, height);
+        for (const double radius : {0.2, 0.201})
+          for (int k = 0; k < 200; ++k)
+            cone.points.emplace_back(radius * std::cos(k * 0.0314), radius * std::sin(k * 0.0314), -0.6);
+        for (std::uint32_t k = 0; k < 200; ++k) {
+          const std::uint32_t next = (k + 1) % 200;
+          const std::uint32_t ring = apex + 200;
+          cone.faces.push_back({apex + k, ring + k, ring + next});
+          if (lathe) cone.faces.push_back({apex + k, ring + next, apex + next});
+          if (joined) {
+            cone.faces.push_back({ring + k, ring + 200 + k, ring + next});
+            cone.faces.push_back({ring + next, ring + 200 + k, ring + 200 + next});
+          }
+        }
+        const std::size_t faces = cone.faces.size();
+        drop_what_is_no_surface(cone);
+        EXPECT_EQ(cone.faces.size(), faces);
+        EXPECT_EQ(cone.points.size(), joined ? 1041U : 841U);
+      }
 }
 
 TEST(NoSurface, VerticesOfNoFaceAreLeftOutAndSaidUnlessMostAre) {
