@@ -9,7 +9,8 @@ namespace sparsha {
 
 class ThreadPool {
  public:
-  /// `threads` counts the caller: 1 runs everything in place; 0 means one per core.
+  /// `threads` counts the caller: 1 runs everything in place; 0 means one per core. Where the system gives fewer, the
+  /// pool has those.
   explicit ThreadPool(unsigned threads = 0);
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
