@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/threads/progress.h"
 #include "haptics/surface/large_pages.h"
 #include "scene/ground/beyond.h"
 #include "scene/ground/fingertip.h"
@@ -91,7 +92,11 @@ double MongeSurface::height(double x, double y) const noexcept {
 }
 
 std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts) {
+  const auto look = [&] {
+    if (parts.progress != nullptr) parts.progress->throw_if_cancelled();
+  };
   check(parts);
+  look();
   auto surface = std::make_shared<MongeSurface>();
   surface->lattice = parts.lattice;
   surface->id = parts.id;
@@ -104,10 +109,12 @@ std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts) {
     parts.cell_flags = flag_unknown(
         parts.lattice, parts.margin > 0 ? cropped(surface->height_m, parts.lattice, parts.margin) : surface->height_m);
   surface->cell_flags = std::move(parts.cell_flags);
+  look();
   const int nx = parts.lattice.nx + 2 * parts.margin;
   const int ny = parts.lattice.ny + 2 * parts.margin;
   surface->beyond = parts.beyond;
   scene::continue_beyond(surface->height_m, nx, ny, {parts.lattice.spacing_m, parts.scale, parts.hole_m, parts.beyond});
+  look();
   scene::touch_with_ball(surface->height_m, nx, ny, parts.lattice.spacing_m, parts.tip_radius_m / parts.scale,
                          parts.progress);
   if (parts.margin > 0) surface->height_m = cropped(surface->height_m, parts.lattice, parts.margin);

@@ -128,8 +128,10 @@ bool is_cancelled(const std::exception_ptr& thrown) {
   } catch (py::error_already_set& error) {
     const py::object& value = error.value();
     if (py::hasattr(value, "add_note")) {  // since Python 3.11
-      value.attr("add_note")(str_of(
-          fmt::format("sparsha ended its work at {:.0f} % of the stage '{}'", 100.0 * ended.fraction, ended.stage)));
+      const std::string where = ended.stage.empty()
+                                    ? "before its first stage"
+                                    : fmt::format("at {:.0f} % of the stage '{}'", 100.0 * ended.fraction, ended.stage);
+      value.attr("add_note")(str_of("sparsha ended its work " + where));
     }
     throw;
   }
