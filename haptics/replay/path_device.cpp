@@ -16,7 +16,9 @@ class PathDevice final : public Device {
   [[nodiscard]] DeviceSample read(double, double) noexcept override {
     if (next_ < recording_->rows().size()) {
       share_ = recording_->rows()[next_].force_share;
-      return sample_of(recording_->rows()[next_++]);
+      DeviceSample sample = sample_of(recording_->rows()[next_++]);
+      sample.tells_applied = false;  // those are the recorded run's; of this one the servo knows what it commands
+      return sample;
     }
     DeviceSample sample;
     sample.finished = true;

@@ -238,8 +238,9 @@ LineReader::LineReader(std::string_view text, std::size_t offset, int lines_befo
 }
 
 std::size_t LineReader::length_of_line(std::string_view rest) const {
-  const std::size_t length = std::min(rest.find(end_ == kBoth ? '\r' : end_), rest.size());
-  return end_ == kBoth ? std::min(rest.substr(0, length).find('\n'), length) : length;
+  if (end_ != kBoth) return std::min(rest.find(end_), rest.size());
+  const auto end = std::find_if(rest.begin(), rest.end(), [](char c) { return c == '\n' || c == '\r'; });
+  return static_cast<std::size_t>(end - rest.begin());
 }
 
 bool LineReader::next(std::string_view& line) {

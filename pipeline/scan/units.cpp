@@ -81,8 +81,14 @@ std::optional<UnitDifference> difference_of(const ScanSize& large, const ScanSiz
 
 }  // namespace
 
+namespace {
+
+bool is_local(double side, double away) { return away < kLocal || away > kNoPlace || away < 4.0 * side; }
+
+}  // namespace
+
 bool may_be_local(double side, double away) {
-  return away < kLocal || away > kNoPlace || away < 4.0 * side || (away < kNational && away < 200.0 * side);
+  return is_local(side, away) || (away < kNational && away < 200.0 * side);
 }
 
 std::optional<UnitGuess> doubt_metres(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
@@ -97,7 +103,8 @@ std::optional<UnitGuess> doubt_metres(const Eigen::Vector3d& low, const Eigen::V
     };
     return UnitGuess{scene::LengthUnit::mm,
                      fmt::format("it would be {} long{} in metres, {}{} in mm", length_text(side), from_zero(1.0),
-                                 length_text(side * 0.001), from_zero(0.001))};
+                                 length_text(side * 0.001), from_zero(0.001)),
+                     !no_place && !is_local(side, away)};
   }
   if (side > 0.0 && side < kSmallestObject_m) {
     return UnitGuess{scene::LengthUnit::m, fmt::format("it would be only {} long in metres", length_text(side))};

@@ -24,6 +24,7 @@ namespace sparsha::pipeline {
 struct UnitGuess {
   scene::LengthUnit unit = scene::LengthUnit::m;
   std::string reason;
+  bool may_be_metres = false;  ///< of a national grid whose zero is near
 };
 [[nodiscard]] std::optional<UnitGuess> doubt_metres(const Eigen::Vector3d& low, const Eigen::Vector3d& high);
 

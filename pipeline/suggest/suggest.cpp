@@ -87,6 +87,8 @@ struct FoundUnit {
 FoundUnit unit_of(const RawScan& scan) {
   if (scan.unit) return {to_string(*scan.unit), "the format says so", scene::metres_in(*scan.unit)};
   if (const auto guess = guess_unit(scan); guess && !plausible_metres(scan)) {
+    if (guess->may_be_metres)
+      return {"m", fmt::format("{}: set '{}' if that is right", guess->reason, to_string(guess->unit)), 1.0};
     return {to_string(guess->unit), guess->reason, scene::metres_in(guess->unit)};
   }
   return {};

@@ -210,16 +210,24 @@ void run_without_lock(const py::object& listener, const std::function<void(Progr
   std::exception_ptr thrown;
   std::exception_ptr raised;  // by Python, on this thread
   {
-    Joined thread(started([&] {
-      works.add(progress);
+    const auto start = [&] {
+      works.add(progress);  // before the thread is there: the interpreter may end between the two
       try {
-        work(progress);
+        return started([&] {
+          try {
+            work(progress);
+          } catch (...) {
+            thrown = std::current_exception();
+          }
+          works.remove(progress);
+          inbox.end();
+        });
       } catch (...) {
-        thrown = std::current_exception();
+        works.remove(progress);
+        throw;
       }
-      works.remove(progress);
-      inbox.end();
-    }));
+    };
+    Joined thread(start());
     for (bool ended = false; !ended;) {
       {
         const Unlocked unlocked;

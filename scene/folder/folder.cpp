@@ -296,7 +296,10 @@ SceneDescription parse_scene(const fs::path& folder) {
 class FolderScene final : public Scene {
  public:
   FolderScene(fs::path folder, SceneDescription description)
-      : folder_(std::move(folder)), description_(std::move(description)), opened_(heights_written(folder_)) {}
+      : folder_(std::move(folder)),
+        description_(std::move(description)),
+        opened_(heights_written(folder_)),
+        told_(told_in(folder_)) {}
 
   [[nodiscard]] const SceneDescription& description() const override { return description_; }
   [[nodiscard]] fs::path folder() const override { return folder_; }
@@ -341,10 +344,19 @@ class FolderScene final : public Scene {
     std::error_code code;
     return fs::last_write_time(level_folder(folder, 0) / "height.tif", code);
   }
+  static std::string told_in(const fs::path& folder) {
+    constexpr std::size_t kMostTold = 1U << 24U;
+    try {
+      return read_file(folder / "scene.yaml", kMostTold);
+    } catch (const Error&) {
+      return {};
+    }
+  }
   /// What was read of another scene would not fit what is known of this one.
   void require_same_folder() const {
     const fs::file_time_type now = heights_written(folder_);
     if (now == opened_ || now == fs::file_time_type::min()) return;  // what is missing is told by its name
+    if (told_in(folder_) == told_) return;                           // touched, or copied to the same place
     throw input_error(folder_.string(), "another scene has taken the place of the one that was opened",
                       "the scene opened again");
   }
@@ -359,6 +371,7 @@ class FolderScene final : public Scene {
   fs::path folder_;
   SceneDescription description_;
   fs::file_time_type opened_;
+  std::string told_;  // by its scene.yaml
 };
 
 template <typename Written>

@@ -433,6 +433,33 @@ TEST(NoSurface, VerticesTogetherThatBelongToTheSurfaceStay) {
       }
 }
 
+TEST(NoSurface, TheBaseOfATurnedVesselStaysThoughItsAxisHasManyVertices) {
+  // A cup of 96 segments, its base joined to its wall, each segment with a vertex of its own on the axis.
+  constexpr std::uint32_t kSegments = 96, kRows = 100;
+  for (const Eigen::Vector3d& axis : {Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(0, 0, 0)}) {
+    Points points;
+    std::vector<Face> faces;
+    for (std::uint32_t row = 0; row < kRows; ++row)
+      for (std::uint32_t k = 0; k < kSegments; ++k) {
+        const double turn = k * 2.0 * 3.14159265358979 / kSegments;
+        points.push_back(axis + Eigen::Vector3d(0.05 * std::cos(turn), 0.05 * std::sin(turn), 0.001 * row));
+      }
+    for (std::uint32_t k = 0; k < kSegments; ++k) {
+      const std::uint32_t next = (k + 1) % kSegments;
+      for (std::uint32_t row = 0; row + 1 < kRows; ++row) {
+        faces.push_back({row * kSegments + k, row * kSegments + next, (row + 1) * kSegments + k});
+        faces.push_back({row * kSegments + next, (row + 1) * kSegments + next, (row + 1) * kSegments + k});
+      }
+      faces.push_back({k, next, static_cast<std::uint32_t>(points.size())});
+      points.push_back(axis);
+    }
+    RawScan cup = scan_of(points, faces);
+    drop_what_is_no_surface(cup);
+    EXPECT_THAT(cup.warnings, IsEmpty()) << axis;
+    EXPECT_EQ(cup.faces.size(), faces.size()) << axis;
+  }
+}
+
 TEST(NoSurface, VerticesOfNoFaceAreLeftOutAndSaidUnlessMostAre) {
   RawScan scan = square_mesh();
   scan.points.emplace_back(0, -180, -400);

@@ -440,6 +440,12 @@ TEST(GuessUnit, DoubtsMetresOfMillimetresThatLieFarFromZero) {
   EXPECT_EQ(unit(15000, {0, 0, 0}), scene::LengthUnit::mm) << "a facade";
   EXPECT_EQ(unit(12000, {-6000, -12000, 0}), scene::LengthUnit::mm);
   EXPECT_EQ(unit(150, {12500, 23400, 1000}), scene::LengthUnit::mm) << "a plaque, 26 m from the scanner's zero";
+  EXPECT_FALSE(doubt(15000, {0, 0, 0})->may_be_metres);
+  const Eigen::Vector3d near_grids[] = {{30000, 30000, 20}, {24000, 20800, 40}, {-7300, -35200, 60}};
+  for (const Eigen::Vector3d& grid : near_grids) {  // Singapore, Berlin, Japan
+    ASSERT_TRUE(doubt(300, grid)) << grid;
+    EXPECT_TRUE(doubt(300, grid)->may_be_metres) << grid;
+  }
   EXPECT_EQ(unit(500, {5.12e8, 5.4e9, 1e5}), scene::LengthUnit::mm) << "of UTM";
   EXPECT_EQ(unit(30, {5.12e8, 5.4e9, 1e5}), scene::LengthUnit::mm);
   ASSERT_TRUE(doubt(500, {5.12e8, 5.4e9, 1e5}));

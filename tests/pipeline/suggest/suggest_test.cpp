@@ -254,8 +254,9 @@ TEST_F(Suggested, MillimetresFarFromZeroAreDoubtedAlikeByInfoNewAndBuild) {
   EXPECT_NE(::testing::PrintToString(inspect_scan(file).warnings).find(reason), std::string::npos);
   Progress progress;
   const Suggestion suggestion = suggest_config({file}, {}, progress);
-  EXPECT_EQ(suggestion.config.scans[0].units.unit, scene::LengthUnit::mm);
+  EXPECT_EQ(suggestion.config.scans[0].units.unit, scene::LengthUnit::m) << "it may lie in a national grid";
   EXPECT_NE(suggestion.yaml.find(reason), std::string::npos) << suggestion.yaml;
+  EXPECT_NE(suggestion.yaml.find("set 'mm' if that is right"), std::string::npos) << suggestion.yaml;
   scene::ScanConfig config;
   config.file = file;
   Progress of_build;

@@ -21,6 +21,10 @@ constexpr std::string_view kHeight =
     "ellipsoidheight orthometricheight orthoheight ";
 constexpr std::string_view kLongitude = " longitude lon long lng longitud longitudine ";
 constexpr std::string_view kLatitude = " latitude lat latitud latitudine ";
+/// Words that are no others': "est" may be "estimated", "long" a length.
+constexpr std::string_view kSurelyEast = " easting eastings east rechtswert ostwert este eastcoord longitude ";
+constexpr std::string_view kSurelyNorth = " northing northings north hochwert nordwert norte northcoord latitude ";
+constexpr std::string_view kSurelyDegrees = " longitude lon lng longitud longitudine latitude latitud latitudine ";
 /// What is no length along an axis: angles and distances of polar coordinates.
 constexpr std::string_view kAngles =
     " theta phi hz v az azimuth azimut azi zenith zen vertical horizontal bearing inclination polar polarangle "
@@ -54,14 +58,16 @@ bool says_north(std::string_view word) { return is_one_of(word, kNorth) || is_on
 
 /// The axis and the direction of a name that is both: "xnorth", "eastingx". Initials may be other words': "nx".
 std::optional<std::pair<char, std::string_view>> axis_and_direction(std::string_view letters) {
-  const auto is_direction = [](std::string_view word) {
-    return word.size() > 1 && (says_east(word) || says_north(word) || is_one_of(word, kHeight) || word == "up");
+  const auto is_direction = [](std::string_view word, char axis) {
+    return (word.size() > 1 && (says_east(word) || says_north(word) || is_one_of(word, kHeight))) ||
+           (word == "up" && axis == 'z');
   };
   if (letters.size() < 3) return std::nullopt;
   constexpr std::string_view kAxes = "xyz";
+  const char front = letters.front(), back = letters.back();
   const std::string_view behind = letters.substr(1), before = letters.substr(0, letters.size() - 1);
-  if (kAxes.find(letters.front()) != std::string_view::npos && is_direction(behind)) return {{letters.front(), behind}};
-  if (kAxes.find(letters.back()) != std::string_view::npos && is_direction(before)) return {{letters.back(), before}};
+  if (kAxes.find(front) != std::string_view::npos && is_direction(behind, front)) return {{front, behind}};
+  if (kAxes.find(back) != std::string_view::npos && is_direction(before, back)) return {{back, before}};
   return std::nullopt;
 }
 
@@ -110,6 +116,9 @@ class Finder {
     return -1;
   }
   [[nodiscard]] int axis(char axis) const {
+    const auto whole = std::find_if(forms_.begin(), forms_.end(),
+                                    [axis](const Forms& forms) { return forms.front() == std::string(1, axis); });
+    if (whole != forms_.end()) return static_cast<int>(whole - forms_.begin());
     const int plain = find(std::string_view(&axis, 1));
     return plain >= 0 ? plain : find_if([&](const std::string& form) { return is_axis(form, axis); });
   }
@@ -121,6 +130,8 @@ class Finder {
     const Forms& forms = forms_[static_cast<std::size_t>(column)];
     return std::any_of(forms.begin(), forms.end(), test);
   }
+  /// A name that is nothing else.
+  [[nodiscard]] bool is_plain(int column) const { return forms_[static_cast<std::size_t>(column)].size() == 1; }
   /// Whether another column has the same name.
   [[nodiscard]] bool is_repeated(int column) const {
     return std::count(forms_.begin(), forms_.end(), forms_[static_cast<std::size_t>(column)]) > 1;
@@ -147,7 +158,9 @@ std::array<int, 3> turned(const Finder& finder, const std::array<int, 3>& axes) 
   const auto north = [&](int column) { return finder.any(column, says_north); };
   const auto east = [&](int column) { return finder.any(column, says_east); };
   const bool as_they_are = east(axes[0]) || north(axes[1]);
-  if (as_they_are || !(north(axes[0]) || east(axes[1]))) return axes;
+  const bool both = north(axes[0]) && east(axes[1]);
+  const bool one = finder.is(axes[0], kSurelyNorth) || finder.is(axes[1], kSurelyEast);
+  if (as_they_are || !(both || one)) return axes;
   return {axes[1], axes[0], axes[2]};
 }
 
@@ -172,7 +185,9 @@ NamedColumns name_columns(const std::vector<std::string>& names, const std::vect
   named.xyz = found;
   const auto unit = [&](int column) { return unit_named(units[static_cast<std::size_t>(column)]); };
   const auto is_degree = [&](int column) {
-    return finder.is(column, kLongitude) || finder.is(column, kLatitude) || unit(column) == NamedUnit::degree;
+    if (unit(column) == NamedUnit::degree) return true;
+    return finder.is_plain(column) ? finder.is(column, kLongitude) || finder.is(column, kLatitude)
+                                   : finder.is(column, kSurelyDegrees);
   };
   named.degrees = is_degree(found[0]) && is_degree(found[1]);
   named.exchanged = finder.is(found[0], " y ") && finder.is(found[1], " x ");

@@ -7,6 +7,7 @@ namespace sparsha::pipeline {
 namespace {
 
 constexpr double kNoCoordinate = 1e20;  // in any unit
+constexpr double kFarShare = 0.25;      // of itself, that a value is away from all heights at least
 constexpr std::uint64_t kFewest = 3;    // a surface has no height so often to the last digit by chance
 
 }  // namespace
@@ -31,7 +32,7 @@ void NoDataValues::add(double z) {
 void NoDataValues::decide() {
   for (std::size_t k = 0; any_ && k < kValues.size(); ++k) {
     const double gap = std::max(low_ - kValues[k], kValues[k] - high_);
-    found_[k] = counts_[k] >= kFewest && gap > 0.0 && gap >= high_ - low_;
+    found_[k] = counts_[k] >= kFewest && gap >= std::max(high_ - low_, kFarShare * std::abs(kValues[k]));
   }
 }
 

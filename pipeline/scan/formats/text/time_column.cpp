@@ -1,6 +1,8 @@
 // All is judged by ranks and signs of steps, so that neither the unit of the time nor a far outlier matters.
 #include "pipeline/scan/formats/text/time_column.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -62,6 +64,17 @@ std::uint64_t count_sweeps(const Values& values) {
     side = now;
   }
   return sweeps;
+}
+
+/// More than the classes and shades that whole numbers of a byte are.
+bool has_many_values(const Values& values) {
+  constexpr std::size_t kFew = 16;
+  const bool bytes =
+      std::all_of(values.begin(), values.end(), [](double v) { return v >= 0.0 && v <= 255.0 && v == std::floor(v); });
+  Values distinct = values;
+  std::sort(distinct.begin(), distinct.end());
+  const auto count = static_cast<std::size_t>(std::unique(distinct.begin(), distinct.end()) - distinct.begin());
+  return !bytes && count > kFew;
 }
 
 /// Whether a column goes to and fro in runs of rows.
@@ -148,6 +161,7 @@ bool TimeColumn::sweeps() const {
   constexpr double kFewestRises = 0.75;
   constexpr double kWithin = 0.25;  // of all rises; where x rises from sweep to sweep it is none
   if (rows() < kFewestRows || !(values_[0].back() > values_[0].front())) return false;
+  if (!has_many_values(values_[3])) return false;  // a class, a colour
   const auto rises = static_cast<double>(count_rises(values_[0]));
   bool any = false;
   int sweeping = 0;

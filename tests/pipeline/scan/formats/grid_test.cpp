@@ -313,6 +313,8 @@ TEST(Grids, HeightsThatAreUsualValuesButBelongToTheOthersStay) {
   for (double& z : grid.z) z = std::isnan(z) ? 100.0 : z;
   grid.z[7] = grid.z[80] = -9999.0;
   EXPECT_EQ(read_scan_bytes(head + rows_of(grid, true, ""), "a.asc").invalid, 0U) << "twice is chance";
+  for (std::size_t k = 0; k < grid.z.size(); ++k) grid.z[k] = k % 3 == 0 ? 9999.0 : 9990.0;
+  EXPECT_EQ(read_scan_bytes(head + rows_of(grid, true, ""), "a.asc").invalid, 0U) << "a plateau of two levels";
 }
 
 }  // namespace

@@ -311,6 +311,16 @@ TEST(TextTable, HearsWhichAxisItsHeaderCallsNorth) {
   const RawScan normals = read("x,y,z,n_x,n_y,n_z\n1,2,3,0,0,1\n10,20,30,0,1,0\n");
   EXPECT_THAT(normals.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(10, 20, 30)));
   EXPECT_TRUE(read("X (latitude),Y (longitude),Z\n41.9,12.5,50\n").degrees);
+  // Words that are others': estimated, a length, and columns beside the plain ones.
+  for (const char* const names : {"x,y (est),z", "x_long,y_lat,z", "x [long],y [lat],z"}) {
+    const RawScan scan = read(names + std::string("\n1,2,3\n10,20,30\n"));
+    EXPECT_THAT(scan.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(10, 20, 30))) << names;
+    EXPECT_FALSE(scan.degrees) << names;
+  }
+  for (const char* const names : {"upx,upy,upz,x,y,z", "alt_x,alt_y,0,x,y,z", "north_x,north_y,north_z,x,y,z"}) {
+    const RawScan scan = read(names + std::string("\n0,0,1,1,2,3\n0,1,0,10,20,30\n"));
+    EXPECT_THAT(scan.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(10, 20, 30))) << names;
+  }
 }
 
 TEST(TextTable, WithCoordinatesBehindMoreColumnsThanARowMayHaveIsRefused) {

@@ -294,6 +294,15 @@ TEST(XyzReader, AnXThatNeverFallsIsNotDoubtedAsATime) {
     EXPECT_EQ(doubt_of(road), "");
     EXPECT_EQ(doubt_of(strips), "");
   }
+  // A line scanner on a carriage, with the class of each point behind it.
+  std::string carriage;
+  double along = 0.0;
+  for (int k = 0; k < 1600; ++k) {
+    along += relief.chance(5e-6, 3e-5);
+    const double across = 0.01 * (k / 40 % 2 == 0 ? k % 40 : 39 - k % 40);
+    carriage += fmt::format("{:.7f} {:.5f} {:.5f} 2\n", along, across, wave(along, across));
+  }
+  EXPECT_EQ(doubt_of(carriage).find("as a time does"), std::string::npos);
 }
 
 TEST(XyzReader, RowsOfNineNumbersThatAreTrianglesAreSaid) {
