@@ -55,6 +55,7 @@ struct Layers {
   std::vector<float> gaussian_curvature_per_m2;  ///< K of level 0's texture (law: paper)
   std::vector<std::uint32_t> colour_rgba;        ///< 0xAABBGGRR; 0 where no point with a colour is near
   std::vector<float> intensity;                  ///< as the scan has it, NaN where unknown
+  std::uint64_t not_a_number = 0;  ///< heights that are none though the mask calls their nodes known; unknown here
 };
 
 }  // namespace sparsha::scene

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -122,14 +121,11 @@ std::string around_line(const haptics::TraceSummary& s) {
 
 /// What the scene itself gives the trace that is no height, though its mask calls it known; empty without such nodes.
 std::string doubt_of_heights(const scene::Scene& scene, int level) {
-  const scene::DepthGrid grid = scene.read_level(level).grid;
-  std::size_t known = 0;
-  std::size_t wrong = 0;
-  for (std::size_t node = 0; node < grid.state.size(); ++node) {
-    if (grid.state[node] == scene::NodeState::unknown) continue;
-    ++known;
-    if (!std::isfinite(grid.height_m[node])) ++wrong;
-  }
+  const scene::Layers layers = scene.read_level(level);
+  const std::uint64_t wrong = layers.not_a_number;
+  const auto known = wrong + static_cast<std::uint64_t>(std::count_if(
+                                 layers.grid.state.begin(), layers.grid.state.end(),
+                                 [](scene::NodeState state) { return state != scene::NodeState::unknown; }));
   if (wrong == 0) return {};
   return fmt::format(
       "{} of the {} known nodes of level {} have heights that are not numbers; they are touched as unknown",

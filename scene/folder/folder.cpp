@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <utility>
@@ -318,9 +319,9 @@ class FolderScene final : public Scene {
     for (std::size_t n = 0; n < count; ++n) {
       // A damaged mask must not claim a height that is not there.
       const bool known = mask[n] == 1 || mask[n] == 2;
-      layers.grid.state[n] = known && layers.grid.height_m[n] == layers.grid.height_m[n]
-                                 ? static_cast<NodeState>(mask[n])
-                                 : NodeState::unknown;
+      const bool finite = std::isfinite(layers.grid.height_m[n]);
+      if (known && !finite) ++layers.not_a_number;
+      layers.grid.state[n] = known && finite ? static_cast<NodeState>(mask[n]) : NodeState::unknown;
       if (layers.grid.state[n] == NodeState::unknown) layers.grid.height_m[n] = kUnknownHeight;
     }
     for (const OptionalLayer& layer : kFloatLayers) {
