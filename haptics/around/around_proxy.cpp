@@ -23,6 +23,9 @@ constexpr double kHeldGap = 0.6;             // cells: so near a sheet may hold 
 constexpr double kHeldDepth = 0.5;           // cells: of the hand below that sheet's tangent plane, at least
 constexpr double kBesideEdge = 0.5;          // cells: of a hand before an edge's other face, at least
 constexpr double kRoundEdge = 1.0;           // cells: before both faces, of a way round an edge
+constexpr double kAboveCorner = 1.5;         // cells: above a hollow corner its wall was measured, and so far below not
+constexpr double kLeastTilt = 0.1;           // sine of the angle between the two faces of an edge
+constexpr int kMostRounds = 4;               // ways round an edge that are tried
 constexpr double kNearer = 1e-3;             // cells: that a proxy has come nearer to the hand
 constexpr double kBelow = 1e-9;              // cells: the solver lifts the proxy onto the surface
 constexpr double kHair = 4e-9;               // cells: a flight begins so far on its way off the surface
@@ -212,31 +215,46 @@ class Course {
   }
 
   /// Has the hand come past an edge, so that nothing holds it? It is before a face that the proxy is not far before,
-  /// and a way off the proxy's face, before that one and from there to the hand meets nothing.
-  [[nodiscard]] bool is_past_edge() const noexcept {
+  /// and a way off the proxy's face, before that one and from there to the hand meets nothing. A place is asked about
+  /// once a tick: where it is past an edge the tick ends.
+  [[nodiscard]] bool is_past_edge() noexcept {
+    if (asked_ && asked_->sheet == state_.sheet && asked_->place_m == state_.position_m) return false;
+    asked_ = {state_.sheet, state_.position_m};
     const SheetView own = view_of(sheet(), state_.position_m);
     const double h = object_.spacing_m;
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     if (own.cell != kNoCell) normal = own.normal;
     const Eigen::Vector3d off_m = state_.position_m + kRoundEdge * h * normal;
     bool rises = false;
+    int rounds = 0;
     for (const double share : {0.0, 0.5, 1.0}) {
       const Eigen::Vector3d near_m = state_.position_m + share * (hip_m_ - state_.position_m);
       for (const Passing& passing : object_.blocks.sheets_at(near_m)) {
         const SheetView view = view_of(object_.sheets[passing.sheet], near_m);
         // The other face of a thin wall is no way round.
         if (view.cell == kNoCell || view.normal.dot(normal) <= -kSameNormal) continue;
+        if (is_wall(object_.sheets[passing.sheet], view, normal)) continue;
         const Eigen::Vector3d foot_m = object_.sheets[passing.sheet].to_object(view.local);
         if ((hip_m_ - foot_m).dot(view.normal) < kBesideEdge * h) continue;
         if ((state_.position_m - foot_m).dot(view.normal) > kEdgeGap * h) continue;
         rises = rises || is_free(state_.position_m, off_m, true);
-        if (!rises) return false;
+        if (!rises || ++rounds > kMostRounds) return false;
         const double behind_m = kRoundEdge * h - (off_m - foot_m).dot(view.normal);
         const Eigen::Vector3d before_m = off_m + std::max(0.0, behind_m) * view.normal;
         if (is_free(off_m, before_m, false) && is_free(before_m, hip_m_, false)) return true;
       }
     }
     return false;
+  }
+
+  /// Does a face begin on the outer side of the proxy's, as the wall of a hollow corner?
+  [[nodiscard]] bool is_wall(const SheetSurface& face, const SheetView& view,
+                             const Eigen::Vector3d& normal) const noexcept {
+    const Eigen::Vector3d up = normal - normal.dot(view.normal) * view.normal;
+    if (up.norm() <= kLeastTilt) return false;
+    const Eigen::Vector3d step_m = kAboveCorner * object_.spacing_m * up.normalized();
+    return view_of(face, state_.position_m + step_m).cell >= kLookCell &&
+           view_of(face, state_.position_m - step_m).cell < kLookCell;
   }
 
   [[nodiscard]] bool is_free(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, bool leaving) const noexcept {
@@ -342,7 +360,8 @@ class Course {
     return true;
   }
 
-  /// Beyond an edge the proxy goes on on the other sheet, or into the air when the hand is outside of that.
+  /// Beyond an edge the proxy goes on on the other sheet, or into the air when the hand is outside of that. The wall of
+  /// a hollow corner, which every hand over the floor is outside of, is no such sheet.
   Look pass_edge() noexcept {
     std::uint32_t best = kNoSheet;
     SheetView there;
@@ -355,6 +374,7 @@ class Course {
       const bool same = view.normal.dot(normal_) >= kSameNormal;
       if (same && std::abs(view.gap_m) <= kSameGap * object_.spacing_m) return Look::stays;  // the surface goes on
       if (same || !(view.gap_m > 0.0) || view.gap_m > least || !may_enter(other)) continue;
+      if (is_wall(object_.sheets[other], view, normal_)) continue;
       least = view.gap_m;
       best = other;
       there = view;
@@ -492,6 +512,12 @@ class Course {
   };
   Left left_[kMostHandOvers];
   int left_count_ = 0;
+  /// Where is_past_edge() was asked last.
+  struct Asked {
+    std::uint32_t sheet;
+    Eigen::Vector3d place_m;
+  };
+  std::optional<Asked> asked_;
 };
 
 }  // namespace
