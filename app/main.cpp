@@ -40,9 +40,9 @@ int deliver(const sparsha::app::Run& run) {
     return 1;
   } catch (const std::system_error& error) {
     const bool threads = error.code() == std::errc::resource_unavailable_try_again;
-    print_error(std::string(threads
-                                ? "error: the system starts no thread that is needed (too many run, or 'ulimit -u'): "
-                                : "error: the system refuses what is needed: ") +
+    print_error(std::string(threads ? "error: the system cannot start another thread (too many are running; see "
+                                      "'ulimit -u'): "
+                                    : "error: ") +
                 error.what());
     return 1;
   } catch (const std::exception& error) {

@@ -44,8 +44,9 @@ typedef struct sparsha_device_info {
   double rate_hz;                 /* of new positions, 100 to 10000; 0 = 1000 */
   double fastest_m_per_s;         /* no hand moves it faster; 0 = 5 */
   uint32_t delay_ticks;           /* from a force's writing to the hand, 0 to 4 */
-  /* Longest step of the encoders as the grip moves, micrometres, to 1000; 0: not known, and finer than 100. A slow hand
-   * on coarser ones that are not told is taken for a device that repeats its positions: its walls are soft. */
+  /* Longest way of the grip between two steps of the encoders, micrometres, at most 1000; 0: unknown, taken as finer
+   * than 100. If steps are coarser and not given here, a slow hand looks like a device that repeats its positions, and
+   * its walls become soft. */
   uint32_t encoder_step_um;
 } sparsha_device_info;
 
@@ -60,7 +61,8 @@ typedef struct sparsha_device_sample {
   uint8_t reserved[5];
 } sparsha_device_sample;
 
-/* Functions that return int: 0 = done; anything else ends the force, and is tried again at the next call. */
+/* Functions that return int: 0 = done; anything else ends the force. The call is made again at the next tick; after a
+ * write() that fails, with zero force for half a second. */
 typedef struct sparsha_device_plugin {
   uint32_t version; /* SPARSHA_DEVICE_PLUGIN_VERSION */
   uint32_t size;    /* sizeof(sparsha_device_plugin) */

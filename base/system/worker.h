@@ -42,9 +42,9 @@ class Worker {
 
   /// `bytes`: of the shared memory, zero at first. `work` returns soon after `stop`, which is set when this program has
   /// ended, too. `rescue` is called, in a process of its own and for `rescue_s` at most, where the worker did not
-  /// return and the head says so. In both what is written to standard
-  /// output goes to standard error: the program's output is its own. Other files do not stay open. `priority` > 0 asks
-  /// for SCHED_FIFO. Throws Error{failure} when the system gives no process.
+  /// return and the head says so. In both, standard output goes to standard error, so that the program's output is its
+  /// own; other files are closed. `priority` > 0 asks for SCHED_FIFO. Throws Error{failure} when the system gives no
+  /// process.
   Worker(std::size_t bytes, const Work& work, const Work& rescue, double rescue_s, int priority);
   /// Asks the worker to return, and waits until it has, or was killed, and what was left is put right.
   ~Worker();

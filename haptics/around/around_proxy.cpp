@@ -28,7 +28,7 @@ constexpr double kLeastTilt = 0.1;           // sine of the angle between the tw
 constexpr int kMostRounds = 4;               // ways round an edge that are tried
 constexpr double kNearer = 1e-3;             // cells: that a proxy has come nearer to the hand
 constexpr double kBelow = 1e-9;              // cells: the solver lifts the proxy onto the surface
-constexpr double kHair = 4e-9;               // cells: a flight begins so far on its way off the surface
+constexpr double kLiftOff = 4e-9;            // cells: distance from the surface at which a flight begins
 constexpr int kMostTakeOffs = 8;             // a tick
 constexpr double kCreaseStep = 0.5;          // cells
 constexpr double kCreaseRest = 1e-7;         // cells
@@ -86,9 +86,9 @@ class Course {
   /// more: the step grows with the take-offs of a tick.
   [[nodiscard]] Eigen::Vector3d off_surface() const noexcept {
     const Eigen::Vector3d pull = hip_m_ - state_.position_m;
-    const double hair_m = std::ldexp(kHair * object_.spacing_m, 2 * take_offs_);
-    if (take_offs_ == 0 || pull.norm() <= hair_m) return state_.position_m;
-    return state_.position_m + hair_m * pull.normalized();
+    const double lift_off_m = std::ldexp(kLiftOff * object_.spacing_m, 2 * take_offs_);
+    if (take_offs_ == 0 || pull.norm() <= lift_off_m) return state_.position_m;
+    return state_.position_m + lift_off_m * pull.normalized();
   }
 
   void land(const Crossing& crossing) noexcept {
@@ -214,9 +214,9 @@ class Course {
     return false;
   }
 
-  /// Has the hand come past an edge, so that nothing holds it? It is before a face that the proxy is not far before,
-  /// and a way off the proxy's face, before that one and from there to the hand meets nothing. A place is asked about
-  /// once a tick: where it is past an edge the tick ends.
+  /// Whether the hand is past an edge, so that nothing holds it: it is in front of another face, the proxy is not, and
+  /// the path off the proxy's face, in front of that face and to the hand meets nothing. Tested once for a place and
+  /// tick; where it is true the tick ends.
   [[nodiscard]] bool is_past_edge() noexcept {
     if (asked_ && asked_->sheet == state_.sheet && asked_->place_m == state_.position_m) return false;
     asked_ = {state_.sheet, state_.position_m};

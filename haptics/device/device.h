@@ -60,7 +60,7 @@ struct DeviceInfo {
 struct DeviceAdvice {
   const char* phrase;  ///< key of the text in every language (configs/speech), or words of the driver's own
   bool needed;         ///< false: good to know; true: nothing goes on before it is done
-  bool warns = false;  ///< not needed, but something is not as the hand's force should be
+  bool warns = false;  ///< only where it is not needed: told as a warning, since the hand gets another force
 };
 
 /// All calls but open-time ones come from the servo thread and must not allocate, lock or throw.

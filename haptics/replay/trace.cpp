@@ -57,8 +57,8 @@ std::string doubt_of(std::uint64_t count, std::uint64_t first, std::string_view 
          (one ? " (row " : " (first: row ") + std::to_string(first) + " below the header)";
 }
 
-/// Between two rows; throws Cancelled.
-void look(Progress* progress, std::size_t done, std::size_t rows) {
+/// Between two rows: tells the share that is done. Throws Cancelled.
+void tell_progress(Progress* progress, std::size_t done, std::size_t rows) {
   if (progress != nullptr && done % kBlock == 0)
     progress->at(static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(1, rows)));
 }
@@ -94,7 +94,7 @@ void TraceRecorder::add(const TraceRow& row, const MongeSurface& surface, const 
 
 void TraceRecorder::add(TraceRow row, bool unfinished) {
   TraceSummary& summary = result_.summary;
-  look(progress_, result_.rows.size(), expected_);
+  tell_progress(progress_, result_.rows.size(), expected_);
   ++summary.updates;
   row.tick_ns = std::max(0.0, row.tick_ns - summary.timer_overhead_ns);
   result_.rows.push_back(row);
@@ -167,7 +167,7 @@ void write_trace(const std::filesystem::path& file, const TraceResult& result, P
   text += result.summary.around ? ",sheet\n" : "\n";
   std::size_t written = 0;
   for (const TraceRow& row : result.rows) {
-    look(progress, written++, result.rows.size());
+    tell_progress(progress, written++, result.rows.size());
     csv::append(text, row.t_s);
     for (const Eigen::Vector3d* v : {&row.hip_m, &row.proxy_m, &row.force_n})
       for (const double coordinate : *v) csv::append(text, coordinate);

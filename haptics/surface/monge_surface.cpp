@@ -92,11 +92,11 @@ double MongeSurface::height(double x, double y) const noexcept {
 }
 
 std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts) {
-  const auto look = [&] {
+  const auto throw_if_cancelled = [&] {
     if (parts.progress != nullptr) parts.progress->throw_if_cancelled();
   };
   check(parts);
-  look();
+  throw_if_cancelled();
   auto surface = std::make_shared<MongeSurface>();
   surface->lattice = parts.lattice;
   surface->id = parts.id;
@@ -109,12 +109,12 @@ std::shared_ptr<const MongeSurface> make_surface(SurfaceParts parts) {
     parts.cell_flags = flag_unknown(
         parts.lattice, parts.margin > 0 ? cropped(surface->height_m, parts.lattice, parts.margin) : surface->height_m);
   surface->cell_flags = std::move(parts.cell_flags);
-  look();
+  throw_if_cancelled();
   const int nx = parts.lattice.nx + 2 * parts.margin;
   const int ny = parts.lattice.ny + 2 * parts.margin;
   surface->beyond = parts.beyond;
   scene::continue_beyond(surface->height_m, nx, ny, {parts.lattice.spacing_m, parts.scale, parts.hole_m, parts.beyond});
-  look();
+  throw_if_cancelled();
   scene::touch_with_ball(surface->height_m, nx, ny, parts.lattice.spacing_m, parts.tip_radius_m / parts.scale,
                          parts.progress);
   if (parts.margin > 0) surface->height_m = cropped(surface->height_m, parts.lattice, parts.margin);

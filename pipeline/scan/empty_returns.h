@@ -25,8 +25,7 @@ namespace sparsha::pipeline {
 /// Takes out of a scan that was read into memory what is no surface, counts it as invalid and says so in its warnings.
 /// Without faces: empty returns. Of a mesh: vertices at 0 0 0, or in bulk within a hundredth of an edge about another
 /// place, whose edges reach much farther than others, as of a depth camera's picture that was triangulated with its
-/// holes and perhaps moved since, and the faces on them; and vertices of no face, where most
-/// have one.
+/// holes and perhaps moved since, and the faces on them; and vertices of no face, where most have one.
 void drop_what_is_no_surface(RawScan& scan);
 
 }  // namespace sparsha::pipeline

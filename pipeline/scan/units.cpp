@@ -79,10 +79,6 @@ std::optional<UnitDifference> difference_of(const ScanSize& large, const ScanSiz
   return std::nullopt;
 }
 
-}  // namespace
-
-namespace {
-
 bool is_local(double side, double away) { return away < kLocal || away > kNoPlace || away < 4.0 * side; }
 
 }  // namespace

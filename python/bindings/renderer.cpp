@@ -281,7 +281,7 @@ frame of its scans in that; forces newtons.)");
           [](const Trace& t, const py::object& file, const py::object& progress) {
             const std::string path = path_of(file, "file");
             run(progress, [&](Progress& told) {
-              told.begin("writing");
+              told.begin("write");
               haptics::write_trace(path, t, &told);
               return 0;
             });
@@ -289,7 +289,7 @@ frame of its scans in that; forces newtons.)");
           py::arg("file"), py::kw_only(), py::arg("progress") = py::none(),
           R"(Writes trace.csv as `sparsha trace` does.
 
-progress: called with ("writing", fraction). Raises Failure, UsageError; KeyboardInterrupt on Ctrl-C, which leaves no
+progress: called with ("write", fraction). Raises Failure, UsageError; KeyboardInterrupt on Ctrl-C, which leaves no
 file.)");
 }
 

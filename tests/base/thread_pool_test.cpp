@@ -20,6 +20,7 @@
 #include "base/error.h"
 #include "base/threads/background.h"
 #include "base/threads/progress.h"
+#include "tests/support/sanitized.h"
 
 namespace sparsha {
 namespace {
@@ -51,8 +52,8 @@ TEST(ThreadPool, RethrowsAnExceptionAndWorksOn) {
   EXPECT_EQ(sum.load(), 4950U);
 }
 
-#if defined(RLIMIT_AS) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-/// Takes nearly all of the memory that this process may address, so that there is no room for the stacks of 64 threads.
+#if defined(__linux__) && !SPARSHA_SANITIZED
+/// Takes nearly all of the memory that this process may address, so that there is no room for the stacks of many threads.
 void take_room_for_threads() {
   std::ifstream statm("/proc/self/statm");
   std::uint64_t pages = 0;
@@ -66,14 +67,14 @@ TEST(ThreadPool, WorksWithTheThreadsThatTheSystemGives) {
   EXPECT_EXIT(
       {
         take_room_for_threads();
-        ThreadPool pool(64);
+        ThreadPool pool(1024);
         std::vector<std::atomic<int>> seen(1000);
         pool.for_ranges(seen.size(), 10, [&](std::size_t begin, std::size_t end) {
           for (std::size_t i = begin; i < end; ++i) ++seen[i];
         });
         bool once = true;
         for (const auto& times : seen) once = once && times.load() == 1;
-        std::_Exit(pool.threads() < 64 && once ? 0 : 1);
+        std::_Exit(pool.threads() < 1024 && once ? 0 : 1);
       },
       ::testing::ExitedWithCode(0), "");
 }

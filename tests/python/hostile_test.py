@@ -29,8 +29,9 @@ warnings.simplefilter("ignore", sparsha.Warning)
 def in_child(code, **options):
     """Runs Python code in an interpreter of its own, which may crash."""
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([os.path.dirname(os.path.abspath(__file__)), *sys.path])}
-    return subprocess.run([sys.executable, "-c", SETUP + textwrap.dedent(code)], env=environment, capture_output=True, text=True,
-                          timeout=120, **options)
+    with tempfile.TemporaryDirectory() as folder:
+        return subprocess.run([sys.executable, "-c", SETUP + textwrap.dedent(code)], env=environment, capture_output=True,
+                              text=True, timeout=120, **{"cwd": folder, **options})
 
 
 class Hostile(unittest.TestCase):

@@ -4,6 +4,7 @@ import pathlib
 import tempfile
 import unittest
 import warnings
+from unittest import mock
 
 import numpy as np
 
@@ -63,8 +64,9 @@ class AnyBytes(InFolder):
         self.assertEqual(raised.exception.file, name)
         self.assertIn(name, str(raised.exception))
         os.mkdir(LATIN)
-        os.environ["TMPDIR"] = os.path.abspath(os.fsdecode(LATIN))
-        self.addCleanup(os.environ.pop, "TMPDIR")
+        folder = mock.patch.dict(os.environ, TMPDIR=os.path.abspath(os.fsdecode(LATIN)))
+        folder.start()
+        self.addCleanup(folder.stop)
         for config in (None, GRID):
             self.assertGreater(sparsha.build(self.cloud, config=config).levels, 0)
         with self.assertRaises(sparsha.InputError) as raised:  # a wave may slide
@@ -142,8 +144,9 @@ class Places(InFolder):
         np.testing.assert_array_equal(sparsha.open("a.scene").heights(), moved.heights())
 
     def test_a_missing_folder_for_temporary_files_is_a_failure(self):
-        os.environ["TMPDIR"] = str(self.folder / "missing")
-        self.addCleanup(os.environ.pop, "TMPDIR")
+        folder = mock.patch.dict(os.environ, TMPDIR=str(self.folder / "missing"))
+        folder.start()
+        self.addCleanup(folder.stop)
         for work in (lambda: sparsha.build(self.cloud, config=GRID), lambda: sparsha.register([self.cloud, self.cloud])):
             with self.assertRaises(sparsha.Failure) as raised:
                 work()

@@ -80,7 +80,7 @@ bool read_back(Connection& connection, ConnectProblem& problem) {
     if (state.has_position) connection.position_m = state.position_m;
     connection.set_up = state.is_set_up();
     if (state.damping_n_s_per_m >= 0.0) connection.damping_n_s_per_m = state.damping_n_s_per_m;
-    if (connection.set_up && connection.damps()) break;
+    if (connection.set_up && damps(connection.damping_n_s_per_m)) break;
     if (!send(write_full_state_request(text, connection.id.view(), connection.force_key))) return false;
   }
   return true;

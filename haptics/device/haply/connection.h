@@ -36,8 +36,6 @@ struct Connection {
 
   WebSocket::Status send_force(const Eigen::Vector3d& force_n) noexcept;
   WebSocket::Status send_probe() noexcept;
-  /// kServiceDamping has been read back, or more.
-  [[nodiscard]] bool damps() const noexcept { return damping_n_s_per_m >= 0.99 * kServiceDamping; }
 
  private:
   std::array<char, 512> text_{};

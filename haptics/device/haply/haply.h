@@ -21,8 +21,8 @@ struct HaplyOptions {
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
   /// Begin without a service or a device, and take the first that can be had.
   bool wait_for_device = false;
-  /// Nothing is set and no force is commanded, zero neither: another program may be at the device. Places are then told
-  /// from the origin that the service has, and the device counts as one that may not push.
+  /// Nothing is set and no force is commanded, not even zero: another program may be at the device. Places are then
+  /// told from the origin that the service has, and the device counts as one that may not push.
   bool watch_only = false;
   /// The service has told of events before: one that tells of none is not taken.
   bool needs_events = false;

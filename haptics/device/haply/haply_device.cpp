@@ -55,7 +55,7 @@ class HaplyDevice final : public Device {
     if (options.watch_only) {
       info_.limits.max_force_n = 0.0;
       info_.warning += "; it is only watched: places are told from the origin that its service has";
-    } else if (connection && !connection->damps()) {
+    } else if (connection && !damps(connection->damping_n_s_per_m)) {
       info_.limits.least_damping_n_s_per_m *= kUndampedShare;
       info_.warning += "; its service has not taken the damping that it was asked for: walls are softer";
       needs_damping_ = false;
@@ -139,9 +139,7 @@ class HaplyDevice final : public Device {
   }
   [[nodiscard]] bool may_push() const noexcept { return !braked_ && !shared_ && is_set_up() && calm_; }
   /// Basis, preset and the damping that the limits count on.
-  [[nodiscard]] bool is_set_up() const noexcept {
-    return set_up_ && (!needs_damping_ || damping_n_s_per_m_ >= 0.99 * kServiceDamping);
-  }
+  [[nodiscard]] bool is_set_up() const noexcept { return set_up_ && (!needs_damping_ || damps(damping_n_s_per_m_)); }
 
   void adopt(Connection* connection) noexcept {
     connection_ = connection;

@@ -76,6 +76,10 @@ inline constexpr std::string_view kBasis = "XYZ";
 /// That the service is asked for, N s/m: with less, a force gate that closes and opens in contact gives a hand more
 /// than 10 mJ (docs/touch.md, "Behind a service").
 inline constexpr double kServiceDamping = 2.0;
+/// Whether a service that tells this damping has taken kServiceDamping, or more.
+[[nodiscard]] constexpr bool damps(double damping_n_s_per_m) noexcept {
+  return damping_n_s_per_m >= 0.99 * kServiceDamping;
+}
 
 /// The first message: session, basis and preset, and no force. Its size; 0 where it does not fit.
 [[nodiscard]] std::size_t write_setup(std::span<char> text, std::string_view id, ForceKey key) noexcept;

@@ -102,7 +102,7 @@ class Reader {
     for (std::size_t k = 0; k < kOthers.size(); ++k) {
       if (others_[k] == 0) continue;
       words +=
-          fmt::format("{}{} {} ('{}')", words.empty() ? "" : ", ", others_[k], kOthers[k].name, kOthers[k].keyword);
+          fmt::format("{}{} ('{}', {})", words.empty() ? "" : ", ", kOthers[k].name, kOthers[k].keyword, others_[k]);
       surface = surface || kOthers[k].surface;
     }
     if (words.empty()) return;

@@ -88,16 +88,16 @@ TEST(ObjReader, ElementsThatAreNoFacesAreSaid) {
   const ScanFolder folder;
   const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n";
   EXPECT_THAT(folder.read("l.obj", vertices + "l 1 2 3\nl 3 4\n").warnings,
-              ElementsAre(AllOf(HasSubstr("2 lines ('l')"), HasSubstr("no faces"))));
+              ElementsAre(AllOf(HasSubstr("lines ('l', 2)"), HasSubstr("no faces"))));
   EXPECT_THAT(folder.read("s.obj", vertices + "f 1 2 3\ncstype bspline\ndeg 3 3\nsurf 0 1 0 1 1 2 3 4\nend\n").warnings,
-              ElementsAre(AllOf(HasSubstr("1 surfaces ('surf')"), HasSubstr("control points"))));
+              ElementsAre(AllOf(HasSubstr("surfaces ('surf', 1)"), HasSubstr("control points"))));
   EXPECT_THAT(folder.read("c.obj", vertices + "curv 0 1 1 2 3 4\n").warnings, ElementsAre(HasSubstr("'curv'")));
   const RawScan points = folder.read("p.obj", vertices + "p 1 2 3 4\n");
   EXPECT_THAT(points.warnings, IsEmpty());
-  EXPECT_THAT(points.notes, ElementsAre(HasSubstr("1 points ('p')")));
+  EXPECT_THAT(points.notes, ElementsAre(HasSubstr("points ('p', 1)")));
   const RawScan edges = folder.read("e.obj", vertices + "f 1 2 3\nl 2 4\n");
   EXPECT_THAT(edges.warnings, IsEmpty());
-  EXPECT_THAT(edges.notes, ElementsAre(HasSubstr("1 lines ('l')")));
+  EXPECT_THAT(edges.notes, ElementsAre(HasSubstr("lines ('l', 1)")));
 }
 
 TEST(ObjReader, TheUnitOfARemarkIsTakenOrSaid) {
