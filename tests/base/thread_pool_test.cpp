@@ -53,7 +53,8 @@ TEST(ThreadPool, RethrowsAnExceptionAndWorksOn) {
 }
 
 #if defined(__linux__) && !SPARSHA_SANITIZED
-/// Takes nearly all of the memory that this process may address, so that there is no room for the stacks of many threads.
+/// Takes nearly all of the memory that this process may address, so that there is no room for the stacks of many
+/// threads.
 void take_room_for_threads() {
   std::ifstream statm("/proc/self/statm");
   std::uint64_t pages = 0;
