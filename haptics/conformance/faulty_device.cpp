@@ -67,13 +67,14 @@ DeviceSample FaultyDevice::read(double time_s, double period_s) noexcept {
   const std::uint64_t before = reads_.fetch_add(1);
   const double most_m = kSpeed_m_per_s * std::clamp(time_s - time_s_, 0.0, 0.01);
   ahead_s_ = fault == Fault::own_clock ? ahead_s_ + kTooFast * std::max(0.0, time_s - time_s_) : 0.0;
+  const double passed_s = time_s - time_s_;
   time_s_ = time_s;
   height_m_.store(height_m_ + std::clamp(wish_m_ - height_m_, -most_m, most_m));
   DeviceSample sample;
   const bool aside = fault == Fault::jump || fault == Fault::own_clock;
   sample.position_m = {aside ? kJump_m : 0.0, 0.0, height_m_};
   if (fault == Fault::trembles) sample.position_m.z() += before % 2 == 0 ? kTremble_m : -kTremble_m;
-  account(sample.position_m.z());
+  account(sample.position_m.z(), passed_s);
   if (fault != Fault::repeats || time_s >= looked_s_ + kRepeat_s) {
     looked_s_ = time_s;
     told_m_ = sample.position_m.z();
@@ -109,14 +110,17 @@ void FaultyDevice::note(double force_n) noexcept {
 }
 
 /// The force of before has been held all the way to here.
-void FaultyDevice::account(double z_m) noexcept {
+void FaultyDevice::account(double z_m, double passed_s) noexcept {
   if (!counted_.exchange(true)) {
-    work_j_ = least_j_ = shaken_sum_n_ = 0.0;
+    work_j_ = least_j_ = shaken_sum_n_ = squares_ = 0.0;
     z_m_ = z_m;
     last_n_ = -1.0;
     delivered_j_.store(0.0);
+    square_m2_per_s_.store(0.0);
     shaken_n_.store(0.0);
   }
+  if (held_z_n_.load() != 0.0 && passed_s > 0.0) squares_ += (z_m - z_m_) * (z_m - z_m_) / passed_s;
+  square_m2_per_s_.store(squares_);
   work_j_ += held_z_n_.load() * (z_m - std::exchange(z_m_, z_m));
   least_j_ = std::min(least_j_, work_j_);
   delivered_j_.store(std::max(delivered_j_.load(), work_j_ - least_j_));
@@ -158,6 +162,7 @@ Felt FaultyDevice::felt() const noexcept {
   felt.weakest_n = weakest_n_.load();
   felt.shaken_n = shaken_n_.load();
   felt.delivered_j = delivered_j_.load();
+  felt.square_m2_per_s = square_m2_per_s_.load();
   felt.finite = finite_.load();
   felt.reads_with_force = reads_with_force_.load();
   felt.last_force_s = 1e-9 * static_cast<double>(last_force_ns_.load());

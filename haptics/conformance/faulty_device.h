@@ -42,6 +42,8 @@ struct Felt {
   double weakest_n = 0.0;    ///< of what was written after the first read since inject()
   double shaken_n = 0.0;     ///< by which the force differs from that of the tick before, the mean of those ticks
   double delivered_j = 0.0;  ///< most that the hand got along z beyond what it gave, from any moment since inject() on
+  /// Integral of the hand's squared speed along z over the time in which a force was held: a damper takes so much.
+  double square_m2_per_s = 0.0;
   bool finite = true;
   std::uint64_t reads_with_force = 0;  ///< reads since inject() after which a force was written
   double last_force_s = 0.0;           ///< from inject() to the last moment at which a force was held
@@ -74,7 +76,7 @@ class FaultyDevice final : public Device {
  private:
   void pause_once() noexcept;
   void note(double force_n) noexcept;
-  void account(double z_m) noexcept;
+  void account(double z_m, double passed_s) noexcept;
   void compare(double force_n) noexcept;
 
   Device& inner_;
@@ -84,7 +86,7 @@ class FaultyDevice final : public Device {
   double time_s_ = 0.0;
   double ahead_s_ = 0.0;  // of the clock of its own
   double looked_s_ = 0.0, told_m_ = 0.0;
-  double z_m_ = 0.0, work_j_ = 0.0, least_j_ = 0.0, last_n_ = 0.0, shaken_sum_n_ = 0.0;
+  double z_m_ = 0.0, work_j_ = 0.0, least_j_ = 0.0, last_n_ = 0.0, shaken_sum_n_ = 0.0, squares_ = 0.0;
   std::atomic<Fault> fault_{Fault::none};
   std::atomic<bool> paused_{false};  // the one pause has been
   std::atomic<double> wish_m_;
@@ -93,7 +95,8 @@ class FaultyDevice final : public Device {
   std::atomic<std::int64_t> injected_ns_{0};
   std::atomic<std::uint64_t> reads_{0}, reads_with_force_{0};
   std::atomic<std::int64_t> last_force_ns_{0}, first_zero_ns_{-1};
-  std::atomic<double> strongest_n_{0.0}, weakest_n_{0.0}, shaken_n_{0.0}, delivered_j_{0.0}, held_z_n_{0.0};
+  std::atomic<double> strongest_n_{0.0}, weakest_n_{0.0}, shaken_n_{0.0}, delivered_j_{0.0}, held_z_n_{0.0},
+      square_m2_per_s_{0.0};
   std::atomic<bool> counted_{false};  // the accounts have begun anew
   std::atomic<bool> finite_{true};
 };
