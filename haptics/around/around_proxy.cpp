@@ -169,7 +169,10 @@ class Course {
   /// sheet until the next tick. True when there is more to do.
   bool leave(std::uint32_t but) noexcept {
     if (is_outside(object_, hip_m_, state_.position_m)) return fly_off();
-    if (is_past_edge()) return let_go();
+    if (is_past_edge()) {
+      take_off(hip_m_);
+      return false;
+    }
     const double h = object_.spacing_m;
     const Eigen::Vector3d pull = hip_m_ - state_.position_m;
     const SheetView own = view_of(sheet(), state_.position_m);
@@ -206,12 +209,6 @@ class Course {
   bool fly_off() noexcept {
     take_off(state_.position_m);
     return ++take_offs_ <= kMostTakeOffs || stop_unfinished();
-  }
-
-  /// To a hand that is outside. Nothing more to do.
-  bool let_go() noexcept {
-    take_off(hip_m_);
-    return false;
   }
 
   /// Whether the hand is past an edge, so that nothing holds it: it is in front of another face, the proxy is not, and
@@ -313,7 +310,10 @@ class Course {
     const Flight flight = fly(object_, state_.position_m, hip_m_, true, options_.shape);
     ++found_.segments;
     if (flight.crossing) return go_over(*flight.crossing, kLookCell) ? Look::moves : Look::stays;
-    if (is_past_edge()) return let_go() ? Look::moves : Look::leaves;
+    if (is_past_edge()) {
+      take_off(hip_m_);
+      return Look::leaves;
+    }
     if (flight.share < 1.0 || !is_outside(object_, hip_m_, state_.position_m)) return Look::stays;
     if (held_at(object_, state_.sheet, state_.position_m) != Held::outside) return Look::stays;
     take_off(hip_m_);
@@ -481,7 +481,10 @@ class Course {
   }
 
   AroundUpdate finish() noexcept {
-    if (state_.sheet != kNoSheet && cell_here() < kOpenCell && is_past_edge()) found_.unfinished = let_go();
+    if (state_.sheet != kNoSheet && cell_here() < kOpenCell && is_past_edge()) {
+      take_off(hip_m_);
+      found_.unfinished = false;
+    }
     found_.position_m = state_.position_m;
     if (state_.seam.left > 0.0 || rested_m_) fade_seam();
     found_.sheet = state_.sheet;

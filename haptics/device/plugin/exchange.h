@@ -35,8 +35,7 @@ struct Exchange {
   system::SharedMail<3> force;                ///< newtons
   std::atomic<std::uint32_t> void_up_to{0};   ///< forces up to this number are zero
   std::atomic<std::uint64_t> servo_beats{0};  ///< signs of life of whoever decides the force
-  std::atomic<std::uint32_t> failures{0};     ///< calls that returned an error
-  std::atomic<std::uint32_t> refusals{0};     ///< those of write() among them
+  std::atomic<std::uint32_t> refusals{0};     ///< calls of write() that returned an error
 };
 
 /// Of new positions, as device_plugin.h tells them.

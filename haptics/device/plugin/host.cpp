@@ -79,10 +79,7 @@ class Host {
     begin_call();
     sparsha_device_sample sample{};
     const bool read = plugin_.read(&sample) == 0;
-    if (!read) {
-      shared_.failures.fetch_add(1);
-      sample = {};
-    }
+    if (!read) sample = {};
     const std::uint32_t before = shared_.force.count().load();
     shared_.samples.put(words_of(sample));
     system::wait_for_change(shared_.force.count(), before, kForceWait * period_s);
@@ -117,7 +114,6 @@ class Host {
     const bool force = force_n != std::array<double, 3>{};
     if (force) shared_.head.rescue.store(1);  // before it goes out
     if (plugin_.write(force_n.data()) != 0) {
-      shared_.failures.fetch_add(1);
       shared_.refusals.fetch_add(1);
       plugin_.zero();
     } else if (!force && ++zeros_ >= kFinalZeros) {
