@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 #include "scene/area/regions.h"
 #include "scene/scene.h"
 
