@@ -72,9 +72,17 @@ class Reader {
   void read_header(Row row) {
     std::array<Row, 10> header;
     std::string_view line;
+    int first = 0;
     for (std::size_t i = 0; i < header.size(); ++i) {
+      if (i == 0) first = lines_.number();
       if (i > 0 && !next_row(lines_, row, line)) {
         throw file_.error_at(lines_.number(), "the file ends within a scan's header", "ten lines");
+      }
+      if (i == 0 && scan_line_ > 0 && row.good && row.count >= 3) {
+        throw file_.error_at(lines_.number(),
+                             "behind the scan that begins on line " + std::to_string(scan_line_) + " and has " +
+                                 std::to_string(points_) + " points stands another point",
+                             "as many points as its two first lines say");
       }
       if (!row.good || row.count != kHeaderShape[i]) {
         throw file_.error_at(lines_.number(), "bad line " + std::to_string(i + 1) + " of a PTX header",
@@ -85,6 +93,7 @@ class Reader {
     if (!is_whole(header[0].values[0]) || !is_whole(header[1].values[0])) {
       throw file_.error_at(lines_.number(), "bad size of a scan's grid", "whole numbers of columns and rows");
     }
+    scan_line_ = first;
     points_ = static_cast<std::uint64_t>(header[0].values[0]) * static_cast<std::uint64_t>(header[1].values[0]);
     constexpr std::uint64_t kShortest = 6;  // "0 0 0" and its end
     const std::uint64_t left = file_.bytes.size() - lines_.offset();
@@ -162,6 +171,13 @@ class Reader {
                              "the file ends after " + std::to_string(i) + " of " + std::to_string(points_) + " points",
                              "a line for each point");
       }
+      if (row.good && row.count == 1) {
+        throw file_.error_at(lines_.number(),
+                             "the scan that begins on line " + std::to_string(scan_line_) + " has " +
+                                 std::to_string(i) + " of its " + std::to_string(points_) +
+                                 " points where the next one begins",
+                             "a line for each point of its grid");
+      }
       if (!row.good || row.count < 3 || row.count == 5) {
         throw file_.error_at(lines_.number(), in_quotes(line) + " is no PTX point",
                              "x y z intensity, or x y z intensity red green blue");
@@ -189,6 +205,7 @@ class Reader {
   ScanWriter& out_;
   LineReader lines_;
   std::uint64_t points_ = 0;
+  int scan_line_ = 0;        ///< where the station's header begins; 0 before the first
   std::size_t columns_ = 0;  ///< of the station's last point
   bool colour_ = false, intensity_ = false;
   Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();

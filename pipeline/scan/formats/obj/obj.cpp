@@ -6,10 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "base/text/lower_case.h"
 #include "pipeline/scan/formats/obj/materials.h"
 #include "pipeline/scan/formats/obj/statements.h"
-#include "pipeline/scan/formats/text/header.h"
+#include "pipeline/scan/remark_unit.h"
 #include "pipeline/scan/scalar.h"
 #include "pipeline/scan/text.h"
 
@@ -127,31 +126,8 @@ class Reader {
       line.remove_prefix(static_cast<std::size_t>(begin - line.data()));
       if (is_vertex(line)) return;
       if (line.empty() || line[0] != '#') continue;
-      const std::string word = unit_in(lower_case(line));
-      const NamedUnit unit = unit_named(word);
-      if (unit == NamedUnit::none) continue;
-      RawScan& scan = out_.scan();
-      scan.unit = length_of(unit);
-      if (scan.unit) {
-        scan.notes.push_back("the unit is that of a remark on line " + std::to_string(lines.number()));
-      } else {
-        scan.warnings.push_back("a remark gives the coordinates in " + in_quotes(word) +
-                                ", which no 'units' can be; they are not converted");
-      }
-      return;
+      if (take_unit_of_remark(line, lines.number(), out_.scan())) return;
     }
-  }
-
-  /// The word that a remark, in lower case, gives as its unit; empty when it gives none.
-  static std::string unit_in(std::string_view remark) {
-    std::size_t at = remark.find("unit");
-    if (at == std::string_view::npos) return {};
-    at += remark.substr(at).starts_with("units") ? 5 : 4;
-    std::string_view rest = remark.substr(at);
-    const std::size_t begin = rest.find_first_not_of(" \t");
-    if (begin == std::string_view::npos || (rest[begin] != '=' && rest[begin] != ':')) return {};
-    rest.remove_prefix(begin + 1);
-    return std::string(take_word(rest));
   }
 
   /// Numbers behind the keyword, at most seven.

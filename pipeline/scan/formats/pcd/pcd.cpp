@@ -65,7 +65,9 @@ std::uint32_t unpack(std::uint32_t argb, bool opaque) {
 }
 
 /// A packed colour in text is an integer, or a float whose bits are the colour: those are far below 1.
-std::uint32_t packed_from_text(double value) {
+std::uint32_t packed_from_text(double value, bool is_signed) {
+  if (is_signed && value < 0.0 && value >= -2147483648.0 && value == std::floor(value))
+    return static_cast<std::uint32_t>(static_cast<std::int64_t>(value));
   if (value >= 1.0 && value < 4294967296.0) return static_cast<std::uint32_t>(value);
   return std::bit_cast<std::uint32_t>(static_cast<float>(value));
 }
@@ -219,7 +221,8 @@ void read_ascii(const ScanFile& file, const Header& header, Wanted wanted, ScanW
     }
     std::uint32_t rgba = kWhite;
     if (wanted.packed != nullptr) {
-      rgba = unpack(packed_from_text(row[wanted.packed->column]), wanted.opaque());
+      rgba =
+          unpack(packed_from_text(row[wanted.packed->column], wanted.packed->type == ScalarType::i32), wanted.opaque());
     } else if (wanted.red != nullptr) {
       rgba = pack_rgba(colour_byte(row[wanted.red->column], wanted.scale),
                        colour_byte(row[wanted.green->column], wanted.scale),

@@ -4,6 +4,7 @@
 
 #include "base/text/lower_case.h"
 #include "pipeline/scan/formats/ply/ply.h"
+#include "pipeline/scan/remark_unit.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline::ply {
@@ -175,7 +176,12 @@ Header parse_header(const ScanFile& file) {
     const std::string key = lower_case(take_word(line));
     if (key == "end_header") break;
     if (key == "comment") add_note(line, header);
-    if (key.empty() || key == "comment" || key == "obj_info") continue;
+    const bool remark = key == "comment" || key == "obj_info";
+    if (remark && header.unit_line == 0 && gives_unit(line)) {
+      header.unit_remark = line;
+      header.unit_line = lines.number();
+    }
+    if (key.empty() || remark) continue;
     if (key == "format") {
       parse_format(file, lines.number(), line, header);
       has_format = true;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/text/lower_case.h"
+#include "pipeline/scan/remark_unit.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
@@ -161,6 +162,7 @@ void read_ply(const ScanFile& file, ScanWriter& out) {
 
   RawScan& scan = out.scan();
   scan.notes = header.notes;
+  take_unit_of_remark(header.unit_remark, header.unit_line, scan);
   for (const ply::Property& property : vertex->properties) scan.fields.push_back(property.name);
   const bool ascii = header.encoding == ply::Encoding::ascii;
   scan.format = ascii                                      ? "PLY ascii"

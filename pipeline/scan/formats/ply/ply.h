@@ -54,6 +54,8 @@ struct Header {
   int lines = 0;
   std::vector<std::string> notes;     ///< software and textures that its remarks name
   std::vector<std::string> textures;  ///< in the order of their numbers
+  std::string unit_remark;            ///< the first that gives a unit, see remark_unit.h
+  int unit_line = 0;
 };
 
 [[nodiscard]] Header parse_header(const ScanFile& file);

@@ -29,6 +29,11 @@ constexpr std::string_view kSurelyDegrees = " longitude lon lng longitud longitu
 constexpr std::string_view kAngles =
     " theta phi hz v az azimuth azimut azi zenith zen vertical horizontal bearing inclination polar polarangle "
     "verticalangle horizontalangle elevationangle winkel hzwinkel vwinkel ";
+/// Angles where a distance stands beside them, else other things: "elevation" is a height as well.
+constexpr std::string_view kAnglesBesideDistance =
+    " alpha beta gamma elevation elev el ele lambda pan tilt yaw pitch angle ang angle1 angle2 scanangle ";
+constexpr std::string_view kPolarDistances =
+    " range rho distance dist sd slopedistance slopedist slantrange slantdistance radius depth ";
 /// What is measured at a place and is no place.
 constexpr std::string_view kNoHeights =
     " intensity scalarintensity i reflectance reflectivity amplitude range distance time timestamp gpstime class "
@@ -47,6 +52,8 @@ constexpr std::string_view kVectorWords = " points point coordinates coord posit
 bool is_axis(std::string_view letters, char axis) {
   if (letters.empty()) return false;
   if (letters == std::string_view(&axis, 1) || letters == std::string{'p', axis}) return true;
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  if (letters.size() == 2 && letters.front() == axis && is_digit(letters.back())) return true;  // of several sets
   if (letters.back() == axis && is_one_of(letters.substr(0, letters.size() - 1), kAxisWords)) return true;
   if (letters.front() == axis && is_one_of(letters.substr(1), kAxisWords)) return true;
   return letters.back() == static_cast<char>('0' + (axis - 'x')) &&
@@ -71,6 +78,16 @@ std::optional<std::pair<char, std::string_view>> axis_and_direction(std::string_
   return std::nullopt;
 }
 
+/// "x" of "field.points0.x": the member of something that is a place. Normals, turns and speeds have such members, too.
+std::string axis_of_member(std::string_view name) {
+  const std::size_t dot = name.find_last_of('.');
+  if (dot == std::string_view::npos || dot + 2 != name.size() || name.back() < 'x' || name.back() > 'z') return {};
+  const std::size_t before = name.substr(0, dot).find_last_of('.');
+  std::string_view owner = name.substr(0, dot).substr(before == std::string_view::npos ? 0 : before + 1);
+  while (!owner.empty() && owner.back() >= '0' && owner.back() <= '9') owner.remove_suffix(1);
+  return is_one_of(letters_of(owner), kAxisWords) ? std::string(1, name.back()) : std::string();
+}
+
 /// What a name may be read as: "x/easting" is both.
 using Forms = std::vector<std::string>;
 
@@ -86,6 +103,7 @@ Forms forms_of(const std::string& name) {
     forms.emplace_back(1, both->first);
     forms.emplace_back(both->second);
   }
+  if (const std::string axis = axis_of_member(name); !axis.empty()) forms.push_back(axis);
   for (std::size_t begin = 0; name.find('/') != std::string::npos && begin <= name.size();) {
     const std::size_t end = std::min(name.find('/', begin), name.size());
     forms.push_back(letters_of(std::string_view(name).substr(begin, end - begin)));
@@ -260,8 +278,11 @@ std::string why_no_coordinates(const std::vector<std::string>& names, const std:
   const Finder finder(names);
   std::string angles;
   std::size_t count = 0;
+  const bool polar = finder.find(kPolarDistances) >= 0;
   for (std::size_t k = 0; k < names.size(); ++k) {
-    const bool angle = finder.is(static_cast<int>(k), kAngles) || is_one_of(letters_of(units[k]), " deg rad gon grad ");
+    const auto column = static_cast<int>(k);
+    const bool angle = finder.is(column, kAngles) || is_one_of(letters_of(units[k]), " deg rad gon grad ") ||
+                       (polar && finder.is(column, kAnglesBesideDistance));
     if (!angle) continue;
     angles += (angles.empty() ? "'" : ", '") + names[k] + "'";
     ++count;

@@ -48,6 +48,12 @@ void guess_attributes(TableColumns& columns, const std::vector<TableRow>& sample
   } else if (usual >= 6 && look_like_colours(sample, usual, 3)) {
     set_colour(columns, 3);
     if (usual == 7) set_intensity(columns, sample, 6);
+    if (usual == 7 && look_like_colours(sample, usual, 4)) {
+      columns.warnings.emplace_back(
+          "without a header columns 4 to 6 are taken as red, green and blue and column 7 as the intensity; if it is "
+          "the "
+          "other way round, 'columns: [x, y, z, intensity, red, green, blue]' of the scan says so");
+    }
     if (usual >= 9 && are_unit_vectors(sample, usual, 6)) set_normals(columns, 6);  // a measure may follow
   } else if (usual >= 7 && look_like_colours(sample, usual, 4)) {
     set_colour(columns, 4);
@@ -256,6 +262,14 @@ TableColumns named_columns(const TableHeader& header, const HeaderPlace& place, 
   } else if (named.by_initials) {
     const auto name = [&](std::size_t axis) { return "'" + header.names[index(named.xyz[axis])] + "'"; };
     columns.warnings.push_back("x, y and z are its columns " + name(0) + ", " + name(1) + " and " + name(2));
+  }
+  if (columns.red < 0) {
+    for (const char* name : {"rgb", "rgba", "packedrgb", "rgbpacked", "packed_rgb", "rgb_packed", "color", "colour"}) {
+      if (find(header.names, name) < 0) continue;
+      columns.warnings.push_back("colours are in one column, '" + std::string(name) +
+                                 "', and are not read; columns of their own for red, green and blue are");
+      break;
+    }
   }
   if (named.exchanged) {
     columns.warnings.push_back("the header says which of its x and y is north: x, to the east, is its column '" +

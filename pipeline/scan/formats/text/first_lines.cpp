@@ -6,6 +6,7 @@
 
 #include "pipeline/scan/formats/text/row_style.h"
 #include "pipeline/scan/look_alikes.h"
+#include "pipeline/scan/remark_unit.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
@@ -88,6 +89,10 @@ class Collector {
       units = (header.line == head_.headers.back().line && add_units_row(line, header)) || units;
     }
     if (units) return;
+    if (head_.unit_line == 0 && gives_unit(line)) {
+      head_.unit_remark = line;
+      head_.unit_line = number;
+    }
     TableHeader header = parse_header(line);
     header.line = number;
     header.text = line;

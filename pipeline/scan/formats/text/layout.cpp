@@ -35,6 +35,8 @@ class Inspector {
   explicit Inspector(const ScanFile& file) : file_(file), head_(read_head(file)) {
     layout_.style = head_.style;
     layout_.listed_names = head_.listed_names;
+    layout_.unit_remark = head_.unit_remark;
+    layout_.unit_line = head_.unit_line;
     if (!head_.rows.empty()) layout_.first_row = head_.row_lines.front();
   }
 
@@ -234,9 +236,10 @@ class Inspector {
 
   /// What has numbers in rows, but no coordinates in them.
   void refuse_no_table(const std::vector<TableRow>& rows) const {
-    if (layout_.columns.by != TextTable::By::position) return;
+    if (layout_.columns.by == TextTable::By::names) return;
     const TableHeader& header = head_.unused;
     const bool says_something = head_.headers.empty() && header.names.size() == layout_.columns.usual && !header.prose;
+    if (!says_something && layout_.columns.by == TextTable::By::shape) return;
     if (says_something) {
       const std::string why = why_no_coordinates(header.names, header.units);
       if (!why.empty()) throw file_.error_at(header.line, "the header names " + why, kRemedy);

@@ -15,9 +15,11 @@ struct TableLayout {
   TableColumns columns;
   std::optional<scene::LengthUnit> unit;  ///< what the header says
   int first_row = 0;                      ///< its line; text stands before it, with numbers perhaps
-  std::string_view header;    ///< the line with the names, which may stand there again where files were joined
-  bool listed_names = false;  ///< the header has a name a line, below their number
-  bool empty = false;         ///< the file declares that it has no rows
+  std::string_view header;       ///< the line with the names, which may stand there again where files were joined
+  bool listed_names = false;     ///< the header has a name a line, below their number
+  std::string_view unit_remark;  ///< a line before the rows that gives their unit; its number is 0 without one
+  int unit_line = 0;
+  bool empty = false;  ///< the file declares that it has no rows
 };
 
 /// Throws Error{input} on a file without rows, and where what is read would be a matter of luck.

@@ -75,6 +75,17 @@ bool has_quoted_comma(std::string_view line) {
   return false;
 }
 
+/// A number in quotes with groups of thousands and a point, or several groups: "1,234.5".
+bool has_quoted_thousands(std::string_view line) {
+  for (std::size_t open = line.find('"'); open != std::string_view::npos; open = line.find('"', open + 1)) {
+    const std::size_t close = line.find('"', open + 1);
+    if (close == std::string_view::npos) break;
+    if (has_thousands(line.substr(open + 1, close - open - 1))) return true;
+    open = close;
+  }
+  return false;
+}
+
 /// Separators outside quotes.
 std::size_t count_separators(std::string_view row, char separator) {
   std::size_t count = 0;
@@ -168,6 +179,7 @@ bool are_thousands_spaced(const std::vector<std::string_view>& rows, bool decima
 
 Commas commas_of_row(std::string_view line) {
   if (line.find(',') == std::string_view::npos) return Commas::none_or_separators;
+  if (has_quoted_thousands(line)) return Commas::thousands;
   if (has_quoted_comma(line)) return Commas::decimal;
   if (line.find(';') != std::string_view::npos) {
     for (std::size_t i = 1; i + 1 < line.size(); ++i) {

@@ -18,6 +18,7 @@
 #include "pipeline/scan/formats/text/rows.h"
 #include "pipeline/scan/formats/text/triangle_rows.h"
 #include "pipeline/scan/look_alikes.h"
+#include "pipeline/scan/remark_unit.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
@@ -87,6 +88,7 @@ class Reader {
     if (columns().track >= 0) scan.notes.emplace_back(kColmapNote);
     scan.degrees = columns().degrees;
     scan.unit = layout_.unit;
+    if (!scan.degrees) take_unit_of_remark(layout_.unit_remark, layout_.unit_line, scan);
     needed_ = columns().needed();
     ask_for_fields();
     out_.begin(0, columns().has_colour(), columns().intensity >= 0, columns().has_normals());

@@ -125,6 +125,10 @@ TEST(PtxReader, RefusesLies) {
   refuse("1\n1\n" + kUnit + matrix + "1 2 3 grey\n", "no PTX point");
   refuse("1\n1\n" + kUnit + matrix + "1 2 3 0.5\n1\n1\n0 0 0\n", "within a scan's header");
   refuse("1\n1\n" + kUnit + "1 0 0\n", "bad line 7");
+  const std::string one = "1\n1\n" + kUnit + matrix + "1 2 3 0.5\n";
+  refuse("2\n1\n" + kUnit + matrix + "1 2 3 0.5\n" + one,
+         "the scan that begins on line 1 has 1 of its 2 points where the next one begins");
+  refuse(one + "1 2 3 0.5\n", "behind the scan that begins on line 1 and has 1 points stands another point");
 }
 
 }  // namespace

@@ -147,6 +147,9 @@ TEST(PcdReader, UnpacksColoursFromFloatsIntegersAndChannels) {
   put(bytes, std::uint32_t{0x00010203});
   EXPECT_THAT(folder.read("f.pcd", bytes).rgba, ElementsAre(0xFF030201U));
   EXPECT_THAT(
+      folder.read("i.pcd", header("x y z rgb", "4 4 4 4", "F F F I", "1 1 1 1", 1, "ascii") + "0 0 0 -16711165\n").rgba,
+      ElementsAre(0xFF030201U));
+  EXPECT_THAT(
       folder.read("u.pcd", header("x y z rgba", "4 4 4 4", "F F F U", "1 1 1 1", 1, "ascii") + "0 0 0 2130772483\n")
           .rgba,
       ElementsAre(0x7F030201U));

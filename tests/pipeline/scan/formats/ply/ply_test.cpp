@@ -11,6 +11,7 @@
 namespace sparsha::pipeline {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using testing::error_of_bytes;
 using ::testing::HasSubstr;
@@ -159,6 +160,21 @@ TEST(PlyReader, PassesOverElementsBeforeTheVerticesAndListsAnywhere) {
     EXPECT_THAT(scan.points, ElementsAre(Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0)));
     EXPECT_THAT(scan.faces, ElementsAre(std::array<std::uint32_t, 3>{2, 1, 0}));
   }
+}
+
+TEST(PlyReader, TheUnitOfARemarkIsTakenOrSaid) {
+  const ScanFolder folder;
+  const auto read = [&](const std::string& remark) {
+    return folder.read("u.ply", "ply\nformat ascii 1.0\n" + remark +
+                                    "\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+                                    "end_header\n1 2 3\n");
+  };
+  EXPECT_EQ(read("comment units: mm").unit, scene::LengthUnit::mm);
+  EXPECT_EQ(read("obj_info Unit = cm").unit, scene::LengthUnit::cm);
+  const RawScan inches = read("comment units: inches");
+  EXPECT_EQ(inches.unit, std::nullopt);
+  EXPECT_THAT(inches.warnings, Contains(HasSubstr("line 3 gives the coordinates in 'inches'")));
+  EXPECT_EQ(read("comment unit test of mm").unit, std::nullopt);
 }
 
 TEST(PlyReader, CutsPolygonsAndStripsIntoTriangles) {

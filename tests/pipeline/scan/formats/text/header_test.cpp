@@ -135,6 +135,8 @@ TEST(XyzReader, SeveralSetsOfCoordinatesAreSaidUnlessOneIsPlain) {
 TEST(XyzReader, AHeaderThatNamesAnglesOrNoHeightIsRefused) {
   for (const auto& [names, part] : {std::pair{"Range[m],Theta[deg],Phi[deg]", "angles 'theta', 'phi'"},
                                     {"Hz,V,SD", "angles 'hz', 'v'"},
+                                    {"range,azimuth,elevation", "angles 'azimuth', 'elevation'"},
+                                    {"rho,alpha,beta", "angles 'alpha', 'beta'"},
                                     {"x,y,intensity", "no z, but 'intensity'"},
                                     {"id,x,y,red,green", "no z, but 'id'"}}) {
     const auto error = error_of_bytes("a.csv", std::string(names) + "\n1,2,3\n4,5,6\n");
@@ -144,6 +146,66 @@ TEST(XyzReader, AHeaderThatNamesAnglesOrNoHeightIsRefused) {
     EXPECT_EQ(again->place().line, 1) << names;
     EXPECT_THAT(again->wrong(), HasSubstr(part));
   }
+}
+
+TEST(XyzReader, NumbersOfRowsBeforeAnglesDoNotMakeThemCoordinates) {
+  const auto error =
+      error_of_bytes("a.csv", "Nr;Hz[gon];V[gon];SD[m]\n1;2.5;100.25;2.5\n2;3.5;100.5;2.5\n3;4.5;99.5;2\n");
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->place().line, 1);
+  EXPECT_THAT(error->wrong(), HasSubstr("angles 'hz', 'v'"));
+}
+
+TEST(XyzReader, TheFirstOfSeveralReturnsAndMembersOfMessagesAreCoordinates) {
+  const ScanFolder folder;
+  const RawScan returns = folder.read("a.csv",
+                                      "# TIME (ns), ROW, X1 (m), Y1 (m), Z1 (m), X2 (m), Y2 (m), Z2 (m)\n"
+                                      "7, 0, 1, 2, 3, 10, 20, 30\n8, 1, 4, 5, 6, 40, 50, 60\n");
+  EXPECT_THAT(returns.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6)));
+  EXPECT_EQ(returns.unit, scene::LengthUnit::m);
+  EXPECT_THAT(returns.warnings, Contains(HasSubstr("several sets of coordinates; columns 3, 4 and 5 are taken")));
+  EXPECT_THAT(folder
+                  .read("b.csv",
+                        "%time,field.normal.x,field.normal.y,field.normal.z,field.points0.x,"
+                        "field.points0.y,field.points0.z\n7,0,0,1,10,20,30\n8,0,0,1,11,21,31\n")
+                  .points,
+              ElementsAre(Eigen::Vector3d(10, 20, 30), Eigen::Vector3d(11, 21, 31)));
+}
+
+TEST(XyzReader, TheUnitOfARemarkAboveTheRowsIsTakenOrSaid) {
+  const ScanFolder folder;
+  const std::string rows = "x y z\n1 2 3\n4 5 6\n";
+  for (const auto& [remark, unit] : {std::pair{"# Units: mm", scene::LengthUnit::mm},
+                                     {"// all units are in centimetres", scene::LengthUnit::cm},
+                                     {"Coordinate unit = m", scene::LengthUnit::m}}) {
+    const RawScan scan = folder.read("a.txt", remark + ("\n" + rows));
+    EXPECT_EQ(scan.unit, unit) << remark;
+    EXPECT_THAT(scan.notes, Contains(HasSubstr("a remark on line 1"))) << remark;
+  }
+  const RawScan inches = folder.read("b.txt", "# made by hand\n# Units: inches\n" + rows);
+  EXPECT_EQ(inches.unit, std::nullopt);
+  EXPECT_THAT(inches.warnings, Contains(HasSubstr("line 2 gives the coordinates in 'inches'")));
+  EXPECT_EQ(folder.read("c.txt", "# Units: mm\nx[m] y[m] z[m]\n1 2 3\n4 5 6\n").unit, scene::LengthUnit::m)
+      << "the names of the columns say it last";
+  EXPECT_EQ(folder.read("d.txt", "# survey of unit mm-7 of the hall\n" + rows).unit, std::nullopt);
+}
+
+TEST(XyzReader, ColoursThatAreNotReadOrMayBeOthersAreSaid) {
+  const ScanFolder folder;
+  const RawScan packed = folder.read("a.txt", "x y z rgb\n1 2 3 65279\n4 5 6 655366\n");
+  EXPECT_TRUE(packed.rgba.empty());
+  EXPECT_THAT(packed.warnings, Contains(HasSubstr("in one column, 'rgb', and are not read")));
+  const RawScan either = folder.read("b.asc", "1.5,2,3,195,0,254,255\n4,5.5,6,255,10,0,6\n4,6,6,7,8,0,9\n");
+  EXPECT_THAT(either.warnings, Contains(HasSubstr("columns 4 to 6 are taken as red, green and blue")));
+  const RawScan clear = folder.read("c.asc", "1.5,2,3,195,0,254,2550\n4,5.5,6,255,10,0,6\n4,6,6,7,8,0,9\n");
+  EXPECT_THAT(clear.warnings, IsEmpty());
+}
+
+TEST(XyzReader, GroupsOfThousandsBetweenQuotesAreRefused) {
+  const auto error = error_of_bytes("a.csv", "X,Y,Z\n\"1,999.36\",\"2,997.67\",\"-0.56\"\n");
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->place().line, 2);
+  EXPECT_THAT(error->what(), HasSubstr("separators of thousands"));
 }
 
 TEST(XyzReader, GroupsOfThousandsBetweenTabsAreRefused) {

@@ -1,0 +1,66 @@
+#include "pipeline/scan/remark_unit.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "base/text/lower_case.h"
+#include "pipeline/scan/formats/text/header.h"
+#include "pipeline/scan/text.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+constexpr std::size_t kLongest = 4096;
+
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || static_cast<unsigned char>(c) >= 0x80; }
+
+std::string_view without_signs(std::string_view word) {
+  constexpr std::string_view kSigns = " \t\r\"'()[]{}<>.,;#*/";
+  const std::size_t begin = word.find_first_not_of(kSigns);
+  if (begin == std::string_view::npos) return {};
+  return word.substr(begin, word.find_last_not_of(kSigns) + 1 - begin);
+}
+
+}  // namespace
+
+std::string unit_in_remark(std::string_view remark) {
+  const std::string lower = lower_case(remark.substr(0, kLongest));
+  const std::string_view text = lower;
+  for (std::size_t at = text.find("unit"); at != std::string_view::npos; at = text.find("unit", at + 4)) {
+    if (at > 0 && is_letter(text[at - 1])) continue;
+    std::size_t behind = at + 4;
+    if (behind < text.size() && text[behind] == 's') ++behind;
+    if (behind < text.size() && is_letter(text[behind])) continue;
+    std::string_view rest = text.substr(behind);
+    const std::size_t sign = rest.find_first_not_of(" \t");
+    if (sign == std::string_view::npos) continue;
+    const bool told = rest[sign] == '=' || rest[sign] == ':';
+    rest.remove_prefix(told ? sign + 1 : sign);
+    std::string_view word = without_signs(take_word(rest));
+    while (is_one_of(word, " are is in ") && !without_signs(rest).empty()) word = without_signs(take_word(rest));
+    if (word.empty() || (!told && !without_signs(rest).empty())) continue;
+    return std::string(word);
+  }
+  return {};
+}
+
+bool gives_unit(std::string_view remark) {
+  const NamedUnit unit = unit_named(unit_in_remark(remark));
+  return unit != NamedUnit::none && unit != NamedUnit::degree;
+}
+
+bool take_unit_of_remark(std::string_view remark, int line, RawScan& scan) {
+  if (!gives_unit(remark)) return false;
+  if (scan.unit) return true;
+  const std::string word = unit_in_remark(remark);
+  scan.unit = length_of(unit_named(word));
+  if (scan.unit) {
+    scan.notes.push_back("the unit is that of a remark on line " + std::to_string(line));
+  } else {
+    scan.warnings.push_back("a remark on line " + std::to_string(line) + " gives the coordinates in " +
+                            in_quotes(word) + ", which no 'units' can be; they are not converted");
+  }
+  return true;
+}
+
+}  // namespace sparsha::pipeline
