@@ -16,8 +16,10 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr std::uint64_t kMostAtOrigin = 16;
+constexpr std::uint64_t kMostAtOrigin = 16;  // of which one in a thousand is chance no more
 constexpr std::uint64_t kOneIn = 1000;
+constexpr std::uint64_t kMostAtOriginOfFew = 3;  // of which one in a hundred is
+constexpr std::uint64_t kOneInOfFew = 100;
 
 // One flag per point of a scan in memory.
 std::vector<bool> flag_points_at_scanner(const RawScan& scan) {
@@ -199,7 +201,8 @@ void drop_from_mesh(RawScan& scan) {
 }  // namespace
 
 bool are_empty_returns(std::uint64_t at_scanner, std::uint64_t points) {
-  return at_scanner > kMostAtOrigin && at_scanner > points / kOneIn;
+  return (at_scanner > kMostAtOrigin && at_scanner > points / kOneIn) ||
+         (at_scanner > kMostAtOriginOfFew && at_scanner > points / kOneInOfFew);
 }
 
 std::string empty_returns_warning(std::uint64_t at_scanner, std::uint64_t points) {

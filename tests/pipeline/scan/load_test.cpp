@@ -329,6 +329,18 @@ TEST(ScanSet, CountsThePlacesThatADepthCameraDidNotSeeAsInvalidInMemoryAndStream
   }
 }
 
+TEST(ScanSet, OfFewPointsAFewAtTheOriginAreEmptyReturns) {
+  const ScanFolder folder;
+  const auto file = folder.write("wall.xyz", wall_of_a_depth_camera(700, 9));
+  for (const ScanSet::Keep keep : {ScanSet::Keep::quickest, ScanSet::Keep::disk}) {
+    Progress progress;
+    const ScanSet set({config_of(file, scene::LengthUnit::m)}, keep, false, progress);
+    EXPECT_EQ(set.points(), 700U);
+    EXPECT_EQ(set.invalid(), 9U);
+    EXPECT_THAT(progress.warnings(), ElementsAre(HasSubstr("9 of 709 points stand at 0 0 0")));
+  }
+}
+
 TEST(ScanSet, ASurfaceThroughTheOriginKeepsItsPointsThere) {
   const ScanFolder folder;
   for (const int at_origin : {1, 16}) {

@@ -11,14 +11,16 @@ namespace {
 
 // Lists of words, the likeliest first. Names are compared by their letters.
 constexpr std::string_view kEast =
-    " easting eastings east e rechtswert rechts ostwert ost est este utme utmeasting eastcoord ecoord ecoordinate ";
+    " easting eastings east e rechtswert rechts ostwert ost est este utme eutm utmeasting eastcoord ecoord "
+    "ecoordinate ";
 constexpr std::string_view kNorth =
-    " northing northings north n hochwert hoch nordwert nord norte utmn utmnorthing northcoord ncoord ncoordinate ";
+    " northing northings north n hochwert hoch nordwert nord norte utmn nutm utmnorthing northcoord ncoord "
+    "ncoordinate ";
 constexpr std::string_view kHeight =
     " elevation elev height altitude alt h h\xC3\xB6he h\xC3\x96he h\xF6he h\xD6he hoehe hohe hauteur quota cota cote "
     "kote altezza altura hoogte hojd h\xC3\xB6jd rl reducedlevel elevaci\xC3\xB3n elevacion elevazione "
     "ellipsoidalheight "
-    "ellipsoidheight orthometricheight orthoheight ";
+    "ellipsoidheight orthometricheight orthoheight up u level ortho zort orto hgt quotaslm ";
 constexpr std::string_view kLongitude = " longitude lon long lng longitud longitudine ";
 constexpr std::string_view kLatitude = " latitude lat latitud latitudine ";
 /// Words that are no others': "est" may be "estimated", "long" a length.
@@ -27,8 +29,8 @@ constexpr std::string_view kSurelyNorth = " northing northings north hochwert no
 constexpr std::string_view kSurelyDegrees = " longitude lon lng longitud longitudine latitude latitud latitudine ";
 /// What is no length along an axis: angles and distances of polar coordinates.
 constexpr std::string_view kAngles =
-    " theta phi hz v az azimuth azimut azi zenith zen vertical horizontal bearing inclination polar polarangle "
-    "verticalangle horizontalangle elevationangle winkel hzwinkel vwinkel ";
+    " theta phi hz v ha va az azimuth azimut azi zenith zen vertical horizontal bearing inclination polar pan tilt yaw "
+    "elevationangle winkel hzwinkel vwinkel ";
 /// Angles where a distance stands beside them, else other things: "elevation" is a height as well.
 constexpr std::string_view kAnglesBesideDistance =
     " alpha beta gamma elevation elev el ele lambda pan tilt yaw pitch angle ang angle1 angle2 scanangle ";
@@ -159,6 +161,18 @@ class Finder {
   std::vector<Forms> forms_;
 };
 
+/// Whether a name is that of an angle, perhaps with its unit: "azimuth_deg", "sphericalazimuth", "horizontalangle".
+bool is_angle(std::string_view letters) {
+  constexpr std::array<std::string_view, 7> kEnds = {"degrees", "degree", "deg", "gon", "grad", "rad", "angle"};
+  constexpr std::array<std::string_view, 2> kFronts = {"spherical", "scan"};
+  for (const std::string_view front : kFronts)
+    if (letters.size() > front.size() && letters.starts_with(front)) letters.remove_prefix(front.size());
+  if (is_one_of(letters, kAngles)) return true;
+  for (const std::string_view end : kEnds)
+    if (letters.size() > end.size() && letters.ends_with(end)) letters.remove_suffix(end.size());
+  return is_one_of(letters, kAngles);
+}
+
 bool all_found(const std::array<int, 3>& columns) {
   return std::all_of(columns.begin(), columns.end(), [](int column) { return column >= 0; });
 }
@@ -183,7 +197,10 @@ std::array<int, 3> turned(const Finder& finder, const std::array<int, 3>& axes) 
 }
 
 std::array<int, 3> coordinates(const Finder& finder) {
-  const int height = finder.find(kHeight);
+  int height = finder.find(kHeight);
+  // An elevation beside an azimuth and a distance is an angle.
+  const bool polar = finder.find(kPolarDistances) >= 0 && finder.find_if(is_angle) >= 0;
+  if (height >= 0 && polar && finder.is(height, " elevation elev ")) height = -1;
   const int z = finder.axis('z') >= 0 ? finder.axis('z') : height;
   const std::array<int, 3> axes = {finder.axis('x'), finder.axis('y'), z};
   if (all_found(axes) && finder.axis('z') >= 0) return turned(finder, axes);
@@ -281,13 +298,21 @@ std::string why_no_coordinates(const std::vector<std::string>& names, const std:
   const bool polar = finder.find(kPolarDistances) >= 0;
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto column = static_cast<int>(k);
-    const bool angle = finder.is(column, kAngles) || is_one_of(letters_of(units[k]), " deg rad gon grad ") ||
+    const bool angle = finder.any(column, is_angle) || is_one_of(letters_of(units[k]), " deg rad gon grad ") ||
                        (polar && finder.is(column, kAnglesBesideDistance));
     if (!angle) continue;
     angles += (angles.empty() ? "'" : ", '") + names[k] + "'";
     ++count;
   }
   if (count >= 2) return "angles " + angles + " in place of x, y and z";
+  const auto place = [&](std::string_view east, std::string_view north) -> std::string {
+    const int e = finder.find(east), n = finder.find(north);
+    if (e < 0 || n < 0 || e == n || finder.find(kHeight) >= 0 || finder.axis('z') >= 0) return {};
+    const auto name = [&](int column) { return "'" + names[static_cast<std::size_t>(column)] + "'"; };
+    return "an easting, " + name(e) + ", and a northing, " + name(n) + ", and no height that is known";
+  };
+  if (std::string why = place(kEast, kNorth); !why.empty()) return why;
+  if (std::string why = place(kLongitude, kLatitude); !why.empty()) return why;
   if (finder.axis('x') < 0 || finder.axis('y') < 0 || names.size() < 3) return {};
   for (std::size_t k = 0; k < 3; ++k) {
     if (finder.is(static_cast<int>(k), kNoHeights)) return "x and y and no z, but '" + names[k] + "'";

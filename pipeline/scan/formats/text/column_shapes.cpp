@@ -59,6 +59,42 @@ bool look_like_colours(const std::vector<TableRow>& sample, std::size_t usual, s
   return in_range(sample, usual, first, 0.0, 255.0, true) || in_range(sample, usual, first, 0.0, 1.0, false);
 }
 
+bool look_like_words(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first) {
+  return in_range(sample, usual, first, 0.0, 65535.0, true) && !in_range(sample, usual, first, 0.0, 1023.0, true);
+}
+
+bool look_like_bytes_as_shares(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first) {
+  if (!in_range(sample, usual, first, 0.0, 1.0, false)) return false;
+  constexpr double kRounded = 0.01;  // of a step, beside what decimals leave
+  bool fractions = false;
+  for (const TableRow& row : sample) {
+    if (row.count != usual) continue;
+    for (std::size_t k = first; k < first + 3; ++k) {
+      const double steps = 255.0 * row.values[k];
+      if (std::abs(steps - std::round(steps)) > kRounded) return false;
+      fractions = fractions || !is_whole(row.values[k]);
+    }
+  }
+  return fractions;
+}
+
+bool is_constant(const std::vector<TableRow>& sample, std::size_t usual, std::size_t column) {
+  if (column >= usual) return false;
+  const double first = sample.front().values[column];
+  return std::all_of(sample.begin(), sample.end(),
+                     [&](const TableRow& row) { return row.count != usual || row.values[column] == first; });
+}
+
+bool may_be_north_first(const std::vector<TableRow>& sample, std::size_t usual) {
+  constexpr double kLeastNorth = 1e6, kMostNorth = 1e7;  // UTM: eastings are 1.6e5 to 8.4e5 m
+  constexpr double kLeastEast = 1.6e5, kMostEast = 8.4e5;
+  if (usual < 3) return false;
+  return std::all_of(sample.begin(), sample.end(), [&](const TableRow& row) {
+    return row.values[0] >= kLeastNorth && row.values[0] <= kMostNorth && row.values[1] >= kLeastEast &&
+           row.values[1] <= kMostEast;
+  });
+}
+
 bool are_unit_vectors(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first) {
   std::size_t rows = 0;
   for (const TableRow& row : sample) {

@@ -21,6 +21,18 @@ namespace sparsha::pipeline {
 /// Three neighbouring columns that look like colours: whole numbers of a byte, or fractions of one.
 [[nodiscard]] bool look_like_colours(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first);
 
+/// Whether three columns hold whole numbers up to 65535, and some of them more than 10 bits do.
+[[nodiscard]] bool look_like_words(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first);
+
+/// Whether three columns hold steps of 1/255 from 0 to 1.
+[[nodiscard]] bool look_like_bytes_as_shares(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first);
+
+/// Whether a column holds the same value in all rows.
+[[nodiscard]] bool is_constant(const std::vector<TableRow>& sample, std::size_t usual, std::size_t column);
+
+/// Whether the first two columns have the sizes of a northing and an easting of UTM, in metres.
+[[nodiscard]] bool may_be_north_first(const std::vector<TableRow>& sample, std::size_t usual);
+
 /// Unit vectors, not all of which point one way: as programs write normals behind coordinates.
 /// Behind colours that are enough: a flat wall's normals may all have the same side.
 [[nodiscard]] bool are_unit_vectors(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first);

@@ -37,18 +37,45 @@ void set_intensity(TableColumns& columns, const std::vector<TableRow>& sample, i
     columns.intensity = column;
 }
 
+/// Says where the first three columns, taken as coordinates, look like something else.
+void doubt_first_three(TableColumns& columns, const std::vector<TableRow>& sample) {
+  const std::size_t usual = columns.usual;
+  constexpr std::size_t kFewest = 16;
+  if (sample.size() < kFewest || !are_rows_alike(sample, usual)) return;
+  if (usual >= 6 && look_like_normals(sample, usual, 0)) {
+    columns.warnings.emplace_back(
+        "the first three columns are of length 1 in all rows, as normals are, and are taken as x, y and z; if the "
+        "coordinates stand behind them, 'columns: [nx, ny, nz, x, y, z]' of the scan says so");
+  } else if (usual >= 6 && look_like_bytes_as_shares(sample, usual, 0)) {
+    columns.warnings.emplace_back(
+        "the first three columns are steps of 1/255 from 0 to 1, as colours are, and are taken as x, y and z; if the "
+        "coordinates stand behind them, 'columns: [red, green, blue, x, y, z]' of the scan says so");
+  } else if (may_be_north_first(sample, usual)) {
+    columns.warnings.emplace_back(
+        "the first column has the size of northings and the second that of eastings, and they are taken as x and y; if "
+        "north stands first, 'columns: [y, x, z]' of the scan says so, else the object is mirrored");
+  }
+}
+
 /// What stands behind coordinates without names, as scanners' programs write it.
 void guess_attributes(TableColumns& columns, const std::vector<TableRow>& sample, bool pts) {
   const std::size_t usual = columns.usual;
+  const bool either = usual == 7 && look_like_colours(sample, usual, 3) && look_like_colours(sample, usual, 4);
   if (usual >= 7 && pts && look_like_colours(sample, usual, 4)) {
     set_colour(columns, 4);
     set_intensity(columns, sample, 3);
   } else if (usual == 6 && look_like_normals(sample, usual, 3)) {
     set_normals(columns, 3);
+  } else if (usual >= 9 && look_like_normals(sample, usual, 3) && look_like_colours(sample, usual, 6)) {
+    set_normals(columns, 3);
+    set_colour(columns, 6);
+  } else if (either && is_constant(sample, usual, 3) && !is_constant(sample, usual, 6)) {
+    set_colour(columns, 4);
+    set_intensity(columns, sample, 3);
   } else if (usual >= 6 && look_like_colours(sample, usual, 3)) {
     set_colour(columns, 3);
     if (usual == 7) set_intensity(columns, sample, 6);
-    if (usual == 7 && look_like_colours(sample, usual, 4)) {
+    if (either && !is_constant(sample, usual, 6)) {
       columns.warnings.emplace_back(
           "without a header columns 4 to 6 are taken as red, green and blue and column 7 as the intensity; if it is "
           "the "
@@ -60,7 +87,13 @@ void guess_attributes(TableColumns& columns, const std::vector<TableRow>& sample
     set_intensity(columns, sample, 3);
   } else if (usual == 4) {
     set_intensity(columns, sample, 3);
+  } else if (usual == 6 && look_like_words(sample, usual, 3)) {
+    columns.warnings.emplace_back(
+        "columns 4 to 6 hold whole numbers up to 65535, as colours of 16 bits are, and are not used; 'columns: [x, y, "
+        "z, "
+        "red, green, blue]' of the scan says that they are");
   }
+  doubt_first_three(columns, sample);
 }
 
 /// Names for columns that have none.

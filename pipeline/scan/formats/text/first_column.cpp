@@ -51,6 +51,19 @@ bool FirstColumn::is_number() const {
   return rows_ >= kFewestUnordered && !rest_whole_ && would_repeat && none_does && x_.size() + 1.0 >= rows;
 }
 
+// A number of the scan, a class: with it as x, all points would lie in a plane. It has three columns behind it.
+bool FirstColumn::is_constant() const {
+  return rows_ >= kFewest && any_next_ && !(x_.size() > 0.0) && y_.size() > 0.0 && z_.size() > 0.0;
+}
+
+// Numbers of scans, rings or classes: few, before three columns of fractions.
+bool FirstColumn::is_group() const {
+  constexpr double kMostGroups = 64.0;
+  constexpr double kMostly = 0.9;
+  return whole_ && rows_ >= kFewestUnordered && x_.size() > 0.0 && x_.size() < kMostGroups &&
+         static_cast<double>(fractions_) >= kMostly * static_cast<double>(rows_);
+}
+
 // A time has three columns behind it.
 bool FirstColumn::is_even_time() const {
   constexpr double kEven = 0.95;
@@ -80,6 +93,13 @@ std::string FirstColumn::doubt() const {
   if (is_number()) {
     what = fmt::format("holds whole numbers that {} ({:.0f} to {:.0f}), as points are numbered",
                        rising_ ? "rise from row to row" : "never repeat", x_.low, x_.high);
+  } else if (is_constant()) {
+    what = fmt::format("holds {:.6g} in all rows, as scans are numbered, which makes a plane of all points", x_.low);
+  } else if (is_group()) {
+    what = fmt::format(
+        "holds few whole numbers ({:.0f} to {:.0f}) and the three behind it fractions, as scans, rings "
+        "and classes are numbered",
+        x_.low, x_.high);
   } else if (rows_ > 1 && is_even_time()) {
     what = fmt::format("rises evenly by {:.3g} from row to row while the others go to and fro, as a time does",
                        x_.size() / static_cast<double>(rows_ - 1));

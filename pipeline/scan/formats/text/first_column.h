@@ -24,6 +24,7 @@ class FirstColumn {
     z_.add(z);
     if (whole_) count_value(x);
     any_next_ = any_next_ || !std::isnan(next);
+    fractions_ += !is_whole(y) && !is_whole(z) && !std::isnan(next) && !is_whole(next) ? 1 : 0;
     time_.add({x, y, z, next});
     last_x_ = x;
     last_y_ = y;
@@ -50,6 +51,8 @@ class FirstColumn {
   void step(double x, double y, double z);
   void count_value(double x);
   [[nodiscard]] bool is_number() const;
+  [[nodiscard]] bool is_constant() const;
+  [[nodiscard]] bool is_group() const;
   [[nodiscard]] bool is_even_time() const;
   [[nodiscard]] bool is_time() const;
   [[nodiscard]] bool is_angle() const;
@@ -58,8 +61,9 @@ class FirstColumn {
   bool whole_ = true;
   bool rest_whole_ = true;
   bool rising_ = true;
-  std::uint64_t falls_ = 0;  ///< steps down
-  std::uint64_t even_ = 0;   ///< steps like the first one
+  std::uint64_t falls_ = 0;      ///< steps down
+  std::uint64_t fractions_ = 0;  ///< rows whose three values behind x are all fractions
+  std::uint64_t even_ = 0;       ///< steps like the first one
   double first_ = 0.0, first_step_ = 0.0;
   bool any_next_ = false;  ///< columns behind z
   TimeColumn time_;

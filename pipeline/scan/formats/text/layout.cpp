@@ -189,7 +189,8 @@ class Inspector {
           "semicolons, commas or tabs between the columns, or 'columns' of the scan in the configuration");
     }
     if (header.columns.repeated) {
-      throw file_.error_at(header.line, "the header names a coordinate twice", "x, y and z once each");
+      throw file_.error_at(header.line, "the header names a coordinate twice",
+                           "x, y and z once each, or 'columns' of the scan in the configuration");
     }
     const auto is_beyond = [](int column) { return column >= static_cast<int>(kMostColumns); };
     if (std::any_of(header.columns.xyz.begin(), header.columns.xyz.end(), is_beyond)) {
@@ -216,13 +217,15 @@ class Inspector {
 
   void take_unnamed() {
     for (const char separator : separators_) {
-      const std::vector<TableRow> rows = sample(separator);
+      std::vector<TableRow> rows = sample(separator);
       if (is_wrong_separator(separator, rows)) continue;
+      keep_first_table(rows);
       const bool pts = file_.extension == "pts";
       layout_.columns = guess_columns(rows, pts);
       if (layout_.columns.numbered && !counts_all_rows()) layout_.columns = columns_by_position(rows, pts);
       if (has_raster_indices(rows)) layout_.columns = columns_behind_indices(rows, RasterIndices::kBehind);
       refuse_no_table(rows);
+      speak_of_header();
       warn_of_unused_header(rows);
       if (head_.left_out > 0) {
         layout_.columns.warnings.push_back(
@@ -232,6 +235,19 @@ class Inspector {
       if (hold_coordinates(layout_.columns, rows)) return;
     }
     layout_.style.separator = 0;
+  }
+
+  /// Of tables that were joined, the rows of the first: others follow where their rows begin.
+  static void keep_first_table(std::vector<TableRow>& rows) {
+    constexpr std::size_t kRows = 20;  // of each, as for those that follow
+    const auto run = [&](std::size_t from) {
+      std::size_t to = from;
+      while (to < rows.size() && rows[to].count == rows[from].count) ++to;
+      return to;
+    };
+    const std::size_t first = run(0);
+    if (first < kRows || first == rows.size() || rows.front().count < 3 || rows[first].count < 3) return;
+    if (run(first) - first >= kRows) rows.resize(first);
   }
 
   /// What has numbers in rows, but no coordinates in them.
@@ -249,6 +265,16 @@ class Inspector {
                                " numbers that go on from one to the next are a matrix of heights, and no points",
                            "an ESRI ASCII grid, with lines 'ncols', 'nrows', 'xllcorner', 'yllcorner' and 'cellsize' "
                            "before the rows, or 'columns' of the scan in the configuration");
+    }
+  }
+
+  /// A header that was not understood is one.
+  void speak_of_header() {
+    constexpr std::string_view kWithout = "without a header";
+    if (head_.names < 3 && head_.headers.empty()) return;
+    for (std::string& warning : layout_.columns.warnings) {
+      if (warning.starts_with(kWithout))
+        warning.replace(0, kWithout.size(), "the header does not name x, y and z once each;");
     }
   }
 

@@ -16,6 +16,7 @@ namespace sparsha::pipeline {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using testing::expect_refused;
 using ::testing::HasSubstr;
@@ -408,6 +409,98 @@ TEST(TextTable, HeightsThatStandForNoDataAreInvalid) {
   EXPECT_EQ(read("0 0 -9999\n1 0 -9999\n2 0 -9999\n0 1 -9990\n1 1 -9995\n2 1 -9998\n").invalid, 0U);
   EXPECT_EQ(read("0 0 -9999\n1 0 -9999\n0 1 1\n1 1 2\n2 1 3\n").invalid, 0U);
   EXPECT_EQ(read("x,y,z\n1,2,NA\n1,2,3\n1,3,null\n").invalid, 2U);
+}
+
+/// A relief of 30 x 20 points, fractions of a metre, row by row; `front` and `behind` give what stands around them.
+std::string table_of(const std::function<std::string(int)>& front, const std::function<std::string(int)>& behind) {
+  std::string text;
+  for (int k = 0; k < 600; ++k) {
+    const double x = 0.0101 * (k % 30), y = 0.0103 * (k / 30);
+    text += fmt::format("{}{:.5f} {:.5f} {:.5f}{}\n", front(k), x, y, 0.1003 + 0.02 * std::sin(20.0 * x + 9.0 * y),
+                        behind(k));
+  }
+  return text;
+}
+const auto kNothing = [](int) { return std::string(); };
+
+TEST(TextTable, NumbersOfScansAndRingsInFrontOfCoordinatesAreDoubted) {
+  const auto warnings = [](const std::function<std::string(int)>& front) {
+    return read(table_of(front, kNothing)).warnings;
+  };
+  for (const char* constant : {"0 ", "1 ", "0.00000 "})
+    EXPECT_THAT(warnings([&](int) { return std::string(constant); }),
+                Contains(HasSubstr("in all rows, as scans are numbered")));
+  EXPECT_THAT(warnings([](int k) { return fmt::format("{} ", k / 200); }),
+              Contains(HasSubstr("few whole numbers (0 to 2)")));
+  EXPECT_THAT(warnings([](int k) { return fmt::format("{} ", k % 16); }),
+              Contains(HasSubstr("few whole numbers (0 to 15)")));
+  EXPECT_THAT(warnings(kNothing), IsEmpty());
+  // A flat wall in x y z, and one of profiles a millimetre apart with whole intensities.
+  std::string wall, profiles;
+  for (int k = 0; k < 600; ++k) {
+    wall += fmt::format("0 {:.3f} {:.3f}\n", 0.01 * (k % 30), 0.01 * (k / 30));
+    profiles +=
+        fmt::format("{} {:.3f} {:.3f} {}\n", k / 30, 0.7013 * (k % 30), 0.1003 * std::sin(0.1 * k), 100 + k % 7);
+  }
+  EXPECT_THAT(read(wall).warnings, IsEmpty());
+  EXPECT_THAT(read(profiles).warnings, IsEmpty());
+}
+
+TEST(TextTable, NormalsColoursAndNorthInFrontAreDoubted) {
+  const auto normal = [](int k) {
+    const double a = 0.01 * k;
+    return fmt::format("{:.6f} {:.6f} 0 ", std::cos(a), std::sin(a));
+  };
+  EXPECT_THAT(read(table_of(normal, kNothing)).warnings, Contains(HasSubstr("of length 1 in all rows")));
+  const auto shares = [](int k) { return fmt::format("{:.5f} {:.5f} 1.00000 ", (k % 256) / 255.0, (k % 7) / 255.0); };
+  EXPECT_THAT(read(table_of(shares, kNothing)).warnings, Contains(HasSubstr("steps of 1/255")));
+  std::string north, east;
+  for (int k = 0; k < 600; ++k) {
+    const double x = 512345.01 + 0.25 * (k % 30), y = 5412345.03 + 0.25 * (k / 30), z = 30.003 + 0.1 * std::sin(k);
+    north += fmt::format("{:.3f} {:.3f} {:.3f}\n", y, x, z);
+    east += fmt::format("{:.3f} {:.3f} {:.3f}\n", x, y, z);
+  }
+  EXPECT_THAT(read(north).warnings, Contains(HasSubstr("the size of northings")));
+  EXPECT_THAT(read(east).warnings, IsEmpty());
+}
+
+TEST(TextTable, ColoursBehindNormalsAreTakenAndThoseOfSixteenBitsAreSaid) {
+  const auto both = [](int k) { return fmt::format(" 0.6 0.0 -0.8 {} 10 20", k % 256); };
+  const RawScan scan = read(table_of(kNothing, both));
+  ASSERT_EQ(scan.rgba.size(), 600U);
+  EXPECT_EQ(scan.rgba[7], 0xFF140A07U);
+  EXPECT_TRUE(scan.normals.size() == 600U && scan.normals[7].isApprox(Eigen::Vector3f(0.6F, 0.0F, -0.8F)));
+  const auto words = [](int k) { return fmt::format(" {} 65535 20", 100 * k); };
+  EXPECT_THAT(read(table_of(kNothing, words)).warnings, Contains(HasSubstr("colours of 16 bits")));
+  // An intensity that never changes is no red.
+  const auto constant = [](int k) { return fmt::format(" 128 {} 10 {}", k % 256, 20 + k % 3); };
+  const RawScan grey = read(table_of(kNothing, constant));
+  ASSERT_EQ(grey.rgba.size(), 600U);
+  EXPECT_EQ(grey.rgba[7], 0xFF150A07U);
+  EXPECT_EQ(grey.intensity.at(7), 128.0F);
+}
+
+TEST(TextTable, TablesOfThreeAndSixValuesMayBeJoined) {
+  std::string first, second;
+  for (int k = 0; k < 300; ++k) first += fmt::format("{:.3f} {:.3f} 0.5\n", 0.01 * (k % 30), 0.01 * (k / 30));
+  for (int k = 0; k < 400; ++k) second += fmt::format("{:.3f} {:.3f} 0.7 10 20 30\n", 0.01 * (k % 30), 0.01 * (k / 30));
+  for (const std::string& text : {first + second, "# scan 1\n" + first + "# scan 2\n" + second}) {
+    const RawScan scan = read(text);
+    ASSERT_EQ(scan.points.size(), 700U);
+    EXPECT_EQ(scan.points[300], Eigen::Vector3d(0.0, 0.0, 0.7));
+    EXPECT_EQ(scan.rgba.at(0), kNoColour);
+    EXPECT_EQ(scan.rgba.at(300), 0xFF1E140AU);
+  }
+}
+
+TEST(TextTable, HeightsOfNoDataWithDecimalsAreNoDepth) {
+  for (const char* none : {"-9999.99", "10000", "1e10"}) {
+    std::string text = table_of(kNothing, kNothing);
+    for (int k = 0; k < 5; ++k) text += fmt::format("0.0{} 0.1 {}\n", k, none);
+    const RawScan scan = read(text);
+    EXPECT_EQ(scan.points.size(), 600U) << none;
+    EXPECT_EQ(scan.invalid, 5U) << none;
+  }
 }
 
 }  // namespace

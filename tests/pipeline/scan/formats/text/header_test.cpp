@@ -137,6 +137,11 @@ TEST(XyzReader, AHeaderThatNamesAnglesOrNoHeightIsRefused) {
                                     {"Hz,V,SD", "angles 'hz', 'v'"},
                                     {"range,azimuth,elevation", "angles 'azimuth', 'elevation'"},
                                     {"rho,alpha,beta", "angles 'alpha', 'beta'"},
+                                    {"pan,tilt,d", "angles 'pan', 'tilt'"},
+                                    {"HA,VA,SD", "angles 'ha', 'va'"},
+                                    {"azimuth_deg,sphericalElevationAngle,rho", "angles 'azimuth_deg'"},
+                                    {"x,y,azimuth,elevation,range", "angles 'azimuth', 'elevation'"},
+                                    {"North,East,Sigma", "an easting, 'east', and a northing, 'north', and no height"},
                                     {"x,y,intensity", "no z, but 'intensity'"},
                                     {"id,x,y,red,green", "no z, but 'id'"}}) {
     const auto error = error_of_bytes("a.csv", std::string(names) + "\n1,2,3\n4,5,6\n");
@@ -172,6 +177,18 @@ TEST(XyzReader, TheFirstOfSeveralReturnsAndMembersOfMessagesAreCoordinates) {
               ElementsAre(Eigen::Vector3d(10, 20, 30), Eigen::Vector3d(11, 21, 31)));
 }
 
+TEST(XyzReader, NorthBeforeEastIsKnownWithEveryNameOfAHeight) {
+  const ScanFolder folder;
+  for (const char* names : {"id,north,east,up", "Nr;Hochwert;Rechtswert;Ortho", "Pt,Northing,Easting,Level",
+                            "pt;nord;est;quota slm", "id;N_UTM;E_UTM;Z_ort"}) {
+    const bool semicolons = std::string(names).find(';') != std::string::npos;
+    const std::string rows = semicolons ? "\n1;20;10;30\n2;21;11;31\n" : "\n1,20,10,30\n2,21,11,31\n";
+    EXPECT_THAT(folder.read("a.csv", names + rows).points,
+                ElementsAre(Eigen::Vector3d(10, 20, 30), Eigen::Vector3d(11, 21, 31)))
+        << names;
+  }
+}
+
 TEST(XyzReader, TheUnitOfARemarkAboveTheRowsIsTakenOrSaid) {
   const ScanFolder folder;
   const std::string rows = "x y z\n1 2 3\n4 5 6\n";
@@ -202,7 +219,8 @@ TEST(XyzReader, ColoursThatAreNotReadOrMayBeOthersAreSaid) {
 }
 
 TEST(XyzReader, GroupsOfThousandsBetweenQuotesAreRefused) {
-  const auto error = error_of_bytes("a.csv", "X,Y,Z\n\"1,999.36\",\"2,997.67\",\"-0.56\"\n");
+  const auto error =
+      error_of_bytes("a.csv", "X,Y,Z\n\"1,999.36\",\"2,997.67\",\"-0.56\"\n\"2,012.92\",\"3,000.85\",\"10.94\"\n");
   ASSERT_TRUE(error);
   EXPECT_EQ(error->place().line, 2);
   EXPECT_THAT(error->what(), HasSubstr("separators of thousands"));
