@@ -133,51 +133,73 @@ struct Allowed {
   bool has_hole = false;
 };
 
-std::vector<Allowed> objects_of_all_kinds() {
-  std::vector<Allowed> all;
-  for (Touched& on : smooth_objects()) all.push_back({std::move(on)});
-  all.push_back({.on = touched("coin", make_coin()), .has_edges = true});
-  const auto sharp = [&](const std::string& name, const ObjectPtr& object) {
-    // Scans wear edges by some tenths of a spacing and corners by one, and no person presses further past them.
-    all.push_back({touched(name, object), 1.3, 8.0, true, false});
-  };
-  const Eigen::Matrix3d view = turned(20.0, 30.0);
-  const double spacing = std::sqrt(8.0 / 20'000.0);
-  sharp("plate of 5", make_box({1.0, 1.0, 2.5 * spacing}, view));
-  sharp("bevelled cube", make_bevelled_cube(0.6, 0.1, view));
-  sharp("blade of 3", make_box({1.0, 1.0, 1.5 * spacing}, view));
-  all.push_back({.on = touched("torus with a hole", make_torus(), 20'000, {}, 5.0), .has_hole = true});
-  return all;
+// Scans wear edges by some tenths of a spacing and corners by one, and no person presses further past them.
+Allowed sharp(const char* name, const ObjectPtr& object) { return {touched(name, object), 1.3, 8.0, true, false}; }
+
+const Eigen::Matrix3d& oblique() {
+  static const Eigen::Matrix3d view = turned(20.0, 30.0);
+  return view;
 }
 
-TEST(Around, TenMillionTicksOnEveryObjectEndOnItsSurface) {
+const double kPlateSpacing = std::sqrt(8.0 / 20'000.0);
+
+struct Kind {
+  std::string name;
+  Allowed (*make)();
+};
+
+/// One object a test: by night each is wandered over for minutes.
+class AroundKinds : public ::testing::TestWithParam<Kind> {};
+
+INSTANTIATE_TEST_SUITE_P(
+    Objects, AroundKinds,
+    ::testing::Values(
+        Kind{"Torus", [] { return Allowed{.on = touched("torus", make_torus())}; }},
+        Kind{"TwoSpheres", [] { return Allowed{.on = touched("two spheres", make_two_spheres())}; }},
+        Kind{"Vase", [] { return Allowed{.on = touched("vase", make_vase(turned(48.0, 0.0)), 100'000)}; }},
+        Kind{"Knot", [] { return Allowed{.on = touched("knot", make_knot())}; }},
+        Kind{"Coin", [] { return Allowed{.on = touched("coin", make_coin()), .has_edges = true}; }},
+        Kind{"PlateOfFive",
+             [] {
+               return sharp("plate of 5", make_box({1.0, 1.0, 2.5 * kPlateSpacing}, oblique()));
+             }},
+        Kind{"BevelledCube", [] { return sharp("bevelled cube", make_bevelled_cube(0.6, 0.1, oblique())); }},
+        Kind{"BladeOfThree",
+             [] {
+               return sharp("blade of 3", make_box({1.0, 1.0, 1.5 * kPlateSpacing}, oblique()));
+             }},
+        Kind{"TorusWithAHole",
+             [] {
+               return Allowed{.on = touched("torus with a hole", make_torus(), 20'000, {}, 5.0), .has_hole = true};
+             }}),
+    [](const ::testing::TestParamInfo<Kind>& kind) { return kind.param.name; });
+
+TEST_P(AroundKinds, TenMillionTicksEndOnTheSurface) {
   const bool nightly = std::getenv("SPARSHA_NIGHTLY") != nullptr;
   const std::size_t ticks = nightly ? 10'000'000 : 5'000;
-  for (const Allowed& c : objects_of_all_kinds()) {
-    const Touched& on = c.on;
-    const Outcome o =
-        wander(on, ticks, 3.0, 23, {.shape = haptics::CellShape::rounded}, c.through, c.longest_arm, false);
-    const std::string all = on.name + ": " + std::to_string(o.ticks) + " ticks, " + std::to_string(o.contacts) +
-                            " in contact, " + std::to_string(o.through) + " through, " + std::to_string(o.released) +
-                            " let go, " + std::to_string(o.off_surface) + " off, " + std::to_string(o.trapped) +
-                            " trapped, " + std::to_string(o.not_a_number) + " not a number, " +
-                            std::to_string(o.unfinished) + " unfinished, " + std::to_string(o.edges) + " edges, " +
-                            std::to_string(o.ns_median) + " and " + std::to_string(o.ns_p99) + " ns";
-    if (std::getenv("SPARSHA_FIGURES") != nullptr) std::printf("%s\n", all.c_str());
-    EXPECT_GT(o.contacts, o.ticks / 4) << all;
-    EXPECT_EQ(o.not_a_number, 0U) << all;
-    EXPECT_LE(o.unfinished, o.ticks / 1'000) << all;
-    // Through what is thin a hand comes out again while it is held.
-    if (!c.has_edges) {
-      EXPECT_EQ(o.trapped, 0U) << all;
-    }
-    const std::size_t edges = c.has_edges ? 1 + o.ticks / 5'000 : 0;  // ticks at them
-    if (!c.has_hole) {
-      EXPECT_LE(o.through, o.ticks / 1'000'000) << all;
-      EXPECT_LE(o.released, edges + o.ticks / 1'000'000) << all;
-    }
-    EXPECT_LE(o.off_surface, edges + o.ticks / 1'000) << all;
+  const Allowed c = GetParam().make();
+  const Touched& on = c.on;
+  const Outcome o = wander(on, ticks, 3.0, 23, {.shape = haptics::CellShape::rounded}, c.through, c.longest_arm, false);
+  const std::string all = on.name + ": " + std::to_string(o.ticks) + " ticks, " + std::to_string(o.contacts) +
+                          " in contact, " + std::to_string(o.through) + " through, " + std::to_string(o.released) +
+                          " let go, " + std::to_string(o.off_surface) + " off, " + std::to_string(o.trapped) +
+                          " trapped, " + std::to_string(o.not_a_number) + " not a number, " +
+                          std::to_string(o.unfinished) + " unfinished, " + std::to_string(o.edges) + " edges, " +
+                          std::to_string(o.ns_median) + " and " + std::to_string(o.ns_p99) + " ns";
+  if (std::getenv("SPARSHA_FIGURES") != nullptr) std::printf("%s\n", all.c_str());
+  EXPECT_GT(o.contacts, o.ticks / 4) << all;
+  EXPECT_EQ(o.not_a_number, 0U) << all;
+  EXPECT_LE(o.unfinished, o.ticks / 1'000) << all;
+  // Through what is thin a hand comes out again while it is held.
+  if (!c.has_edges) {
+    EXPECT_EQ(o.trapped, 0U) << all;
   }
+  const std::size_t edges = c.has_edges ? 1 + o.ticks / 5'000 : 0;  // ticks at them
+  if (!c.has_hole) {
+    EXPECT_LE(o.through, o.ticks / 1'000'000) << all;
+    EXPECT_LE(o.released, edges + o.ticks / 1'000'000) << all;
+  }
+  EXPECT_LE(o.off_surface, edges + o.ticks / 1'000) << all;
 }
 
 /// A stroke two spacings deep over the border between two sides, there and back.
