@@ -13,6 +13,7 @@ constexpr double kLeaveFacing = 0.5;         // below it the proxy looks for a s
 constexpr double kEnterFacing = 0.58;        // which that one must
 constexpr double kSameNormal = 0.866025404;  // cosine of 30 degrees: the same surface
 constexpr double kNearNormal = 0.5;          // of 60 degrees: the same surface where a sheet ends
+constexpr double kCornerNormal = 0.1;        // of 84 degrees: the other face of a hollow corner
 constexpr double kSameGap = 0.5;             // cells between two sheets of one surface
 constexpr double kEndGap = 1.5;              // the same where a sheet ends
 constexpr double kMostShift = 2.0;           // cells along a sheet's side that the proxy moves when it goes over
@@ -347,7 +348,10 @@ class Course {
       if (rim && (!(view.gap_m > 0.0) || view.facing < slid_.normal.z() + kBetterFacing)) continue;
       const double gap_m = std::abs(view.gap_m) + (rim ? kRimGap * object_.spacing_m : 0.0);
       if (view.cell < (cell < kLookCell ? kRimCell : kLookCell) || gap_m > least) continue;
-      if (view.normal.dot(normal_) < (ends ? kNearNormal : kSameNormal) || !may_enter(other)) continue;
+      // Past the line where the faces of a hollow corner meet, a sheet lies behind the other.
+      const bool behind = ends && view.cell >= kLookCell && view.gap_m < 0.0;
+      const double nearest = behind ? kCornerNormal : ends ? kNearNormal : kSameNormal;
+      if (view.normal.dot(normal_) < nearest || !may_enter(other)) continue;
       if ((!ends && view.facing < kEnterFacing) || gap_m > kMostShift * object_.spacing_m * view.facing) continue;
       least = gap_m;
       best = other;

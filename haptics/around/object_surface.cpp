@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -18,6 +19,14 @@ constexpr double kNearCells = 2.5;           // two sheets so near are looked at
 constexpr double kSteep = 0.5;               // facing below which the proxy looks for another sheet
 constexpr double kSameGapCells = 0.5;        // of two sheets of one surface, at most
 constexpr double kSameNormal = 0.866025404;  // cosine of 30 degrees
+constexpr double kNearNormal = 0.5;          // of 60 degrees: the same surface where a sheet ends
+constexpr double kEndGapCells = 1.5;         // of two sheets of one surface where one ends, at most
+constexpr double kWallNormal = 0.7;          // cosine of 45 degrees: least that faces of a hollow corner turn by
+constexpr double kFoldCells = 0.5;           // that two faces of a hollow corner lie before each other, at least
+constexpr double kBehindCells = 0.5;         // of a floor's cell behind its wall, at most
+constexpr double kBeyondCells = 0.2;         // of what a face goes on as behind the other, at most
+constexpr double kFootCells = 1.5;           // so far below its floor a wall is not measured
+constexpr int kWallCells = 3;                // so far above its floor a wall is measured
 
 /// Use(i, j, cell index) of all cells that are worth something.
 template <typename Use>
@@ -171,6 +180,144 @@ void set_planes(ObjectSurface& object) {
   }
 }
 
+/// A place of a sheet and its normal there.
+struct Facet {
+  Eigen::Vector3d place_m, normal;
+};
+
+/// The mean of the measured cells that are nearest to a cell of the rim; nothing without any.
+std::optional<Facet> border_of(const SheetSurface& sheet, int i, int j, double spacing_m) {
+  constexpr int kReach = kRimCells + 1;
+  int nearest = std::numeric_limits<int>::max(), count = 0;
+  Facet sum{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  for (int b = -kReach; b <= kReach; ++b)
+    for (int a = -kReach; a <= kReach; ++a) {
+      const int squared = a * a + b * b;
+      if (squared > nearest || sheet.cell(i + a, j + b) < kLookCell) continue;
+      const double x_m = (i + a + 0.5) * spacing_m, y_m = (j + b + 0.5) * spacing_m;
+      const SheetView view = view_of(sheet, sheet.to_object({x_m, y_m, 0.0}));
+      if (squared < nearest) nearest = squared, count = 0, sum = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+      sum.place_m += sheet.to_object(view.local);
+      sum.normal += view.normal;
+      ++count;
+    }
+  if (count == 0) return {};
+  return Facet{sum.place_m / count, sum.normal.normalized()};
+}
+
+/// Is a sheet the wall of a hollow corner whose floor has this border, where a place continues the floor? The measured
+/// floor lies before the measured wall, and the wall before the floor. The wall has no part behind the floor.
+bool is_wall_of(const SheetSurface& wall, const Facet& floor, const Eigen::Vector3d& place_m, double spacing_m) {
+  const double h = spacing_m;
+  const auto height_m = [&](const SheetView& view) {
+    return (wall.to_object(view.local) - floor.place_m).dot(floor.normal);
+  };
+  const SheetView foot = view_of(wall, place_m - kFootCells * h * floor.normal);
+  if (foot.cell >= kLookCell && std::abs(foot.gap_m) <= kNearCells * h && height_m(foot) < -kFoldCells * h)
+    return false;
+  for (int k = 1; k <= kWallCells; ++k) {
+    const SheetView view = view_of(wall, place_m + k * h * floor.normal);
+    if (view.cell < kLookCell || std::abs(view.gap_m) > kNearCells * h) continue;
+    if (std::abs(view.normal.dot(floor.normal)) >= kWallNormal || height_m(view) < kFoldCells * h) continue;
+    const Eigen::Vector3d on_wall_m = wall.to_object(view.local);
+    if ((floor.place_m - on_wall_m).dot(view.normal) < kFoldCells * h) continue;
+    if ((place_m - on_wall_m).dot(view.normal) >= -kBehindCells * h) return true;
+  }
+  return false;
+}
+
+/// May a cell of the rim at a place be closed? Not where the surface goes on in another sheet, nor behind one.
+bool may_close(const ObjectSurface& object, std::size_t own, const Facet& floor, const Eigen::Vector3d& place_m) {
+  const double h = object.spacing_m;
+  for (const Passing& passing : object.blocks.sheets_at(place_m)) {
+    if (passing.sheet == own) continue;
+    const SheetView view = view_of(object.sheets[passing.sheet], place_m);
+    if (view.cell < kOpenCell || std::abs(view.gap_m) > kNearCells * h) continue;
+    const bool goes_on = std::abs(view.gap_m) <= kEndGapCells * h && view.normal.dot(floor.normal) >= kNearNormal;
+    if (goes_on || view.gap_m < -kBehindCells * h) return false;
+  }
+  return true;
+}
+
+/// Does a cell of the rim lie before the wall of a hollow corner?
+bool is_before_wall(const ObjectSurface& object, std::size_t own, const Facet& floor, const Eigen::Vector3d& place_m) {
+  for (const Passing& passing : object.blocks.sheets_at(place_m))
+    if (passing.sheet != own && is_wall_of(object.sheets[passing.sheet], floor, place_m, object.spacing_m)) return true;
+  return false;
+}
+
+/// Is a place behind another sheet, near to it?
+bool is_behind(const ObjectSurface& object, std::size_t own, const Eigen::Vector3d& place_m) {
+  const double h = object.spacing_m;
+  for (const Passing& passing : object.blocks.sheets_at(place_m)) {
+    if (passing.sheet == own) continue;
+    const SheetView view = view_of(object.sheets[passing.sheet], place_m);
+    if (view.cell >= kLookCell && view.gap_m < -kBeyondCells * h && view.gap_m > -kNearCells * h) return true;
+  }
+  return false;
+}
+
+/// The middle of a cell, on the sheet.
+Eigen::Vector3d middle_of(const SheetSurface& sheet, int i, int j, double spacing_m) {
+  const double x_m = (i + 0.5) * spacing_m, y_m = (j + 0.5) * spacing_m;
+  return sheet.to_object({x_m, y_m, sheet.surface->height(x_m, y_m)});
+}
+
+/// Between the measured nodes of the two faces of a hollow corner there are some whose normals are of both: faces go on
+/// there along their slopes until they meet, and that counts as a closed hole. Where three faces meet they come nearer
+/// to each other with every pass.
+void close_corners(ObjectSurface& object) {
+  constexpr int kPasses = 2;
+  const double h = object.spacing_m;
+  using Cells = std::vector<std::uint8_t>;
+  const auto set_cells = [&](std::vector<Cells>& cells) {
+    for (std::size_t s = 0; s < cells.size(); ++s) object.sheets[s].cells = std::move(cells[s]);
+  };
+  std::vector<Cells> before;
+  for (const SheetSurface& sheet : object.sheets) before.push_back(sheet.cells);
+  for (int pass = 0; pass < kPasses; ++pass) {
+    std::vector<Cells> cells;
+    bool any_sheet = false;
+    for (std::size_t s = 0; s < object.sheets.size(); ++s) {
+      const SheetSurface& sheet = object.sheets[s];
+      Cells filled = sheet.cells;
+      std::vector<std::size_t> candidates;
+      bool any = false;
+      for_cells(sheet, [&](int i, int j, std::size_t cell) {
+        if (sheet.cells[cell] != kRimCell) return;
+        const std::optional<Facet> floor = border_of(sheet, i, j, h);
+        const Eigen::Vector3d place_m = middle_of(sheet, i, j, h);
+        if (!floor || !may_close(object, s, *floor, place_m)) return;
+        candidates.push_back(cell);
+        if (!is_before_wall(object, s, *floor, place_m)) return;
+        filled[cell] = kLookCell;
+        any = true;
+      });
+      if (any) {
+        const Cells closed = close_holes(sheet, filled);
+        for (const std::size_t cell : candidates)
+          if (closed[cell] != 0) filled[cell] = kLookCell;
+      }
+      any_sheet = any_sheet || any;
+      cells.push_back(std::move(filled));
+    }
+    if (!any_sheet) break;
+    set_cells(cells);
+  }
+  // What has gone on beyond the line where they meet is none of the object's.
+  std::vector<Cells> cells;
+  for (std::size_t s = 0; s < object.sheets.size(); ++s) {
+    const SheetSurface& sheet = object.sheets[s];
+    cells.push_back(sheet.cells);
+    for_cells(sheet, [&](int i, int j, std::size_t cell) {
+      if (before[s][cell] == kRimCell && sheet.cells[cell] != kRimCell &&
+          is_behind(object, s, middle_of(sheet, i, j, h)))
+        cells[s][cell] = kRimCell;
+    });
+  }
+  set_cells(cells);
+}
+
 /// Steep cells, and those near another sheet that is not the same surface.
 bool needs_a_look(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& place_m,
                   const Eigen::Vector3d& normal, double facing) {
@@ -259,6 +406,7 @@ std::shared_ptr<ObjectSurface> object_of(const scene::Charts& charts, const Arou
   }
   object->blocks = index_of(object->sheets, charts.spacing_m);
   set_planes(*object);
+  close_corners(*object);
   mark_looks(*object);
   for (SheetSurface& sheet : object->sheets) count_open_cells(sheet);
   return object;

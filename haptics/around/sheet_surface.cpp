@@ -102,11 +102,19 @@ void move_out(const scene::Sheet& sheet, double spacing_m, Padded& padded) {
   }
 }
 
+/// How many cells a sheet is across.
+struct Across {
+  int nx, ny;
+  [[nodiscard]] std::size_t cell(int i, int j) const {
+    return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(i);
+  }
+};
+
 /// Cells within `reach` of cells that are set.
-std::vector<std::uint8_t> grown(const Padded& size, const std::vector<std::uint8_t>& cells, int reach,
+std::vector<std::uint8_t> grown(const Across& size, const std::vector<std::uint8_t>& cells, int reach,
                                 bool beyond_is_set) {
-  const int nx = size.nx - 1;
-  const int ny = size.ny - 1;
+  const int nx = size.nx;
+  const int ny = size.ny;
   const auto pass = [&](const std::vector<std::uint8_t>& from, int di, int dj) {
     std::vector<std::uint8_t> to(from.size(), 0);
     for (int j = 0; j < ny; ++j) {
@@ -163,7 +171,7 @@ FrictionMap friction_of(const SheetSurface& surface, const scene::Sheet& sheet, 
 }
 
 /// Holes of at most 2 kRimCells cells are closed.
-std::vector<std::uint8_t> closed(const Padded& size, const std::vector<std::uint8_t>& cells) {
+std::vector<std::uint8_t> closed(const Across& size, const std::vector<std::uint8_t>& cells) {
   std::vector<std::uint8_t> outside = grown(size, cells, kRimCells, false);
   for (std::uint8_t& cell : outside) cell = cell != 0 ? 0 : 1;
   outside = grown(size, outside, kRimCells, true);
@@ -321,9 +329,10 @@ SheetSurface make_sheet_surface(const scene::Charts& charts, const scene::Sheet&
   continue_by_slopes(sheet, charts.spacing_m, padded);
   move_out(sheet, charts.spacing_m, padded);
   const std::vector<std::uint8_t> steps = steps_of(padded, charts.spacing_m);
-  std::vector<std::uint8_t> trusted = closed(padded, padded.cells);
+  const Across across{padded.nx - 1, padded.ny - 1};
+  std::vector<std::uint8_t> trusted = closed(across, padded.cells);
   for (std::size_t k = 0; k < trusted.size(); ++k) trusted[k] = steps[k] == 0 ? trusted[k] : 0;
-  std::vector<std::uint8_t> rim = grown(padded, trusted, kRimCells, false);
+  std::vector<std::uint8_t> rim = grown(across, trusted, kRimCells, false);
   for (std::size_t k = 0; k < rim.size(); ++k) rim[k] = steps[k] == 0 ? rim[k] : 0;
   SheetSurface result;
   result.axes = scene::SideAxes::of(sheet.side);
@@ -346,6 +355,12 @@ SheetSurface make_sheet_surface(const scene::Charts& charts, const scene::Sheet&
   parts.height_m = std::move(padded.height_m);
   result.surface = make_surface(std::move(parts));
   return result;
+}
+
+std::vector<std::uint8_t> close_holes(const SheetSurface& sheet, const std::vector<std::uint8_t>& cells) {
+  std::vector<std::uint8_t> measured(cells.size());
+  for (std::size_t k = 0; k < cells.size(); ++k) measured[k] = cells[k] >= kLookCell ? 1 : 0;
+  return closed({sheet.surface->lattice.nx - 1, sheet.surface->lattice.ny - 1}, measured);
 }
 
 SheetView view_of(const SheetSurface& sheet, const Eigen::Vector3d& object_m) noexcept {

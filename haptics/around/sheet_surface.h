@@ -70,6 +70,10 @@ struct AroundFriction {
 [[nodiscard]] SheetSurface make_sheet_surface(const scene::Charts& charts, const scene::Sheet& sheet,
                                               const AroundFriction& friction);
 
+/// One for every cell that is measured or in a hole of at most 2 kRimCells cells among those, where a sheet has
+/// `cells`.
+[[nodiscard]] std::vector<std::uint8_t> close_holes(const SheetSurface& sheet, const std::vector<std::uint8_t>& cells);
+
 /// The sheet in pieces that overlap, none of which lies beside itself at another height, but for very small ones: a
 /// sheet that would lie over itself was cut, and its surface beyond the cut is not that on this side.
 [[nodiscard]] std::vector<scene::Sheet> pieces_of(const scene::Sheet& sheet, double spacing_m);

@@ -1,4 +1,5 @@
-// A hand that presses on a floor near the wall of a hollow corner: that it is before the wall does not let it go.
+// A hand that presses on a floor near the wall of a hollow corner: that it is before the wall does not let it go, and
+// floor and wall go on until they meet.
 // Lengths are in mean point spacings, h.
 #include <gtest/gtest.h>
 
@@ -79,8 +80,8 @@ class HollowCorner : public ClosedObject {
 /// How the hand comes to its place in the floor.
 enum class Way : std::uint8_t { along_floor, straight_down, from_wall };
 constexpr std::array<const char*, 3> kWays{"along the floor", "straight down", "back from the wall"};
-/// Percent of touches that may be lost: a hand still passes the floor's rim where a flight meets nothing but that.
-constexpr std::array<std::size_t, 3> kMostLost{2, 8, 10};
+/// Of a thousand touches so many may be lost: fillets of floor and wall cross at small angles in places.
+constexpr std::array<std::size_t, 3> kMostLost{3, 3, 8};
 
 /// Touches whose last of five ticks at rest had no contact.
 std::size_t lost_of(const Touched& on, const Eigen::Matrix3d& view, Way way, std::size_t touches,
@@ -116,6 +117,36 @@ std::size_t lost_of(const Touched& on, const Eigen::Matrix3d& view, Way way, std
   return lost;
 }
 
+/// Is a place on something that was measured or closed, and looks that way?
+bool is_covered(const haptics::ObjectSurface& object, const Vector3d& place_m, const Vector3d& normal) {
+  constexpr double kGap = 0.7;     // h: faces are rounded where they meet
+  constexpr double kCosine = 0.6;  // and turned to each other
+  for (const haptics::Passing& passing : object.blocks.sheets_at(place_m)) {
+    const haptics::SheetView view = view_of(object.sheets[passing.sheet], place_m);
+    if (view.cell >= haptics::kLookCell && std::abs(view.gap_m) <= kGap * object.spacing_m &&
+        view.normal.dot(normal) >= kCosine)
+      return true;
+  }
+  return false;
+}
+
+TEST(Around, TheFacesOfAHollowCornerGoOnUntilTheyMeet) {
+  for (const Eigen::Matrix3d& view : {Eigen::Matrix3d(Eigen::Matrix3d::Identity()), turned(5.0, 8.0)}) {
+    const Touched on = touched("hollow corner", std::make_shared<HollowCorner>(view), 54'400);
+    std::size_t asked = 0, bare = 0;
+    for (double y = 0.15; y <= 1.05; y += 0.25 * on.h)
+      for (double off = 0.75; off <= 4.0; off += 0.25, asked += 2) {
+        const Vector3d on_floor(-off * on.h, y, 0.0), on_wall(0.0, y, off * on.h);
+        const Vector3d& origin = on.surface->origin_m;
+        bare += is_covered(*on.surface, view * on_floor - origin, view * Vector3d::UnitZ()) ? 0 : 1;
+        bare += is_covered(*on.surface, view * on_wall - origin, -view * Vector3d::UnitX()) ? 0 : 1;
+      }
+    const std::string all = std::to_string(bare) + " bare of " + std::to_string(asked);
+    if (std::getenv("SPARSHA_FIGURES") != nullptr) std::printf("%s\n", all.c_str());
+    EXPECT_LE(1'000 * bare, 5 * asked) << all;
+  }
+}
+
 TEST(Around, TheWallOfAHollowCornerFreesNoHandFromTheFloor) {
   const std::size_t touches = std::getenv("SPARSHA_NIGHTLY") != nullptr ? 20'000 : 400;
   for (const Eigen::Matrix3d& view :
@@ -127,7 +158,7 @@ TEST(Around, TheWallOfAHollowCornerFreesNoHandFromTheFloor) {
         const std::string all =
             std::to_string(lost) + " lost of " + std::to_string(touches) + " " + kWays[static_cast<std::size_t>(way)];
         if (std::getenv("SPARSHA_FIGURES") != nullptr) std::printf("%s\n", all.c_str());
-        EXPECT_LE(100 * lost, kMostLost[static_cast<std::size_t>(way)] * touches) << all;
+        EXPECT_LE(1'000 * lost, kMostLost[static_cast<std::size_t>(way)] * touches) << all;
       }
     }
   }
