@@ -55,7 +55,7 @@ clang() {
 
 # TSan: servo, session, devices, audio, thread pool.
 tsan() {
-  local threaded=(base_test haptics_state_test haptics_device_test haptics_device_falcon_test haptics_servo_test
+  local threaded=(base_test haptics_state_test haptics_device_test haptics_device_falcon_test haptics_device_haply_test haptics_servo_test
     haptics_replay_test haptics_session_test audio_test)
   local program
   cmake --preset tsan > /dev/null

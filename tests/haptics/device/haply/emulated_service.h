@@ -36,11 +36,13 @@ class Service {
   }
 
   HaplyOptions client;
-  std::unique_ptr<emulator::HaplyService> service;
 
  private:
   std::mutex mutex_;
   std::vector<emulator::HaplyMessage> log_;
+
+ public:
+  std::unique_ptr<emulator::HaplyService> service;  // the last, since its threads write the log until they end
 };
 
 /// Faults soon after the first force, and long enough to be seen.
@@ -78,7 +80,10 @@ struct Running {
 };
 
 inline bool says(const Device& device, const std::string& phrase) {
-  return eventually([&] { return device.advice() != nullptr && device.advice()->phrase == phrase; });
+  return eventually([&] {
+    const DeviceAdvice* const advice = device.advice();  // once: the servo changes it
+    return advice != nullptr && advice->phrase == phrase;
+  });
 }
 
 /// A service whose settings cannot be trusted is told of, asked on, and never commanded a force.

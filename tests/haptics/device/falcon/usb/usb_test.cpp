@@ -151,7 +151,8 @@ TEST_F(UsbFalcon, AKioskBeginsBesideOneThatHasNoPowerOrIsHeldAndTakesItOnceItCan
   const auto advises = [&](const char* phrase) {
     for (int look = 0; look < 10000; ++look) {
       run(*device, 1);
-      if (device->advice() != nullptr && std::string_view(device->advice()->phrase) == phrase) return true;
+      const DeviceAdvice* const advice = device->advice();  // once: the servo changes it
+      if (advice != nullptr && std::string_view(advice->phrase) == phrase) return true;
     }
     return false;
   };
