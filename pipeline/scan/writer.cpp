@@ -23,6 +23,11 @@ void append(std::vector<T>& values, std::span<const T> block, std::size_t points
 
 }  // namespace
 
+std::string unused_face_colours(std::uint64_t faces) {
+  return faces == 1 ? "the colour of 1 face is not used"
+                    : "the colours of " + std::to_string(faces) + " faces are not used";
+}
+
 ScanWriter::ScanWriter(RawScan& scan, const PointSink& sink, const ReadOptions& options)
     : scan_(scan),
       sink_(sink),
@@ -105,6 +110,16 @@ void ScanWriter::add_polygon(std::span<const std::uint32_t> corners) {
   polygon_triangles_ += corners.size() - 2;
   polygons_.push_back(static_cast<std::uint32_t>(corners.size()));
   polygons_.insert(polygons_.end(), corners.begin(), corners.end());
+}
+
+void ScanWriter::count_faces_from_zero() {
+  for (std::array<std::uint32_t, 3>& face : scan_.faces) {
+    for (std::uint32_t& corner : face) ++corner;
+  }
+  for (std::size_t at = 0; at < polygons_.size();) {
+    const std::size_t end = at + 1 + polygons_[at];
+    for (++at; at < end; ++at) ++polygons_[at];
+  }
 }
 
 void ScanWriter::expect_mesh(std::uint64_t vertices, std::uint64_t triangles) const {

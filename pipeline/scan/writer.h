@@ -18,6 +18,8 @@ namespace sparsha::pipeline {
                                                 std::uint32_t a = 255) {
   return r | g << 8 | b << 16 | a << 24;
 }
+/// A warning: a grid has colours of points.
+[[nodiscard]] std::string unused_face_colours(std::uint64_t faces);
 inline constexpr std::uint32_t kWhite = 0xFFFFFFFFu;
 
 class ScanWriter {
@@ -84,6 +86,8 @@ class ScanWriter {
     }
   }
   void add_polygon(std::span<const std::uint32_t> corners);
+  /// All faces so far name the records behind those that were said; none that is the last number becomes the first.
+  void count_faces_from_zero();
   /// The file says that it has so many vertices and at least so many triangles. Throws when such a mesh is refused.
   void expect_mesh(std::uint64_t vertices, std::uint64_t triangles) const;
   /// Whether somebody may refuse a mesh by its size.

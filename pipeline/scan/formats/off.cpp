@@ -76,7 +76,7 @@ class Reader {
           "'NOFF')");
     }
     if (coloured_faces_ > 0) {
-      out_.scan().warnings.push_back("the colours of " + std::to_string(coloured_faces_) + " faces are not used");
+      out_.scan().warnings.push_back(unused_face_colours(coloured_faces_));
     }
   }
 

@@ -48,6 +48,26 @@ class TriangleSink {
   KeyTable<Vertex, VertexHash> table_;
 };
 
+/// Some programs keep a colour of five bits a channel in the two bytes behind a triangle. Bit 15 is set where there is
+/// one (VisCAM); clear, in files whose header has "COLOR=" (Magics).
+class FaceColours {
+ public:
+  explicit FaceColours(const ScanFile& file)
+      : magics_(file.bytes.substr(0, 80).find("COLOR=") != std::string_view::npos) {}
+
+  void look_at(std::uint16_t bits) {
+    const bool set = (bits & 0x8000U) != 0;
+    // All bits alike are what programs without colours write.
+    const bool alike = bits == 0 || bits == 0xFFFF;
+    if (set != magics_ && !alike) ++count_;
+  }
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+
+ private:
+  bool magics_;
+  std::uint64_t count_ = 0;
+};
+
 /// A closed surface has half as many vertices as triangles.
 std::uint64_t vertices_of(std::uint64_t triangles) { return triangles / 2 + 2; }
 
@@ -56,9 +76,13 @@ std::uint64_t count_loops(const ScanFile& file) {
   LineReader lines(file.bytes);
   std::string_view line;
   while (lines.next(line)) {
-    const std::string_view word = take_word(line);
-    if (word.size() != 7 || (word[0] | 0x20) != 'e' || lower_case(word) != "endloop") continue;
-    if ((++count & 0xFFFF) == 0) file.done_before(lines.offset() - 1);
+    constexpr std::size_t kLongest = 256;  // of one statement
+    const bool several = line.size() > kLongest;
+    std::string_view word = take_word(line);
+    do {
+      if (word.size() != 7 || (word[0] | 0x20) != 'e' || lower_case(word) != "endloop") continue;
+      if ((++count & 0xFFFF) == 0 && !several) file.done_before(lines.offset() - 1);
+    } while (several && !(word = take_word(line)).empty());
   }
   return count;
 }
@@ -90,6 +114,7 @@ void read_binary(const ScanFile& file, ScanWriter& out) {
     out.scan().warnings.push_back("bytes behind the last triangle are left out");
   }
   TriangleSink sink(out);
+  FaceColours colours(file);
   const char* p = file.bytes.data() + kHeader;
   for (std::uint64_t i = 0; i < count; ++i, p += kTriangle) {
     std::array<std::uint32_t, 3> corners{};
@@ -98,9 +123,125 @@ void read_binary(const ScanFile& file, ScanWriter& out) {
       corners[k] = sink.vertex(load<float>(v), load<float>(v + 4), load<float>(v + 8));
     }
     sink.triangle(corners);
+    colours.look_at(load<std::uint16_t>(p + 48));
     if ((i & 0xFFFF) == 0xFFFF) file.done_before(static_cast<std::size_t>(p - file.bytes.data()));
   }
+  if (colours.count() > 0) out.scan().warnings.push_back(unused_face_colours(colours.count()));
 }
+
+/// What of the text begins with its first facet, "facet normal 0 0 1"; empty without one. Names of solids end there.
+std::string_view from_facet(std::string_view text) {
+  while (!text.empty()) {
+    std::string_view rest = text;
+    const std::string_view word = take_word(rest);
+    if (word.empty()) return {};
+    const std::string_view begin = text.substr(static_cast<std::size_t>(word.data() - text.data()));
+    if (lower_case(word) == "facet") {
+      std::string_view behind = rest;
+      double value = 0.0;
+      const bool normal = lower_case(take_word(behind)) == "normal";
+      const std::string_view number = take_word(behind);
+      if (normal && !number.empty() && parse_number(number.data(), number.data() + number.size(), value) != nullptr) {
+        return begin;
+      }
+    }
+    text = rest;
+  }
+  return {};
+}
+
+/// Statements of an ASCII file, which may stand in one line.
+class AsciiReader {
+ public:
+  AsciiReader(const ScanFile& file, ScanWriter& out) : file_(file), sink_(out), lines_(file.bytes) {}
+
+  void read() {
+    std::string_view line;
+    std::size_t told = 0;
+    while (lines_.next(line)) {
+      if (lines_.offset() - told > (1U << 22)) {
+        told = lines_.offset();
+        file_.done_before(told - line.size() - 1);
+      }
+      if (const std::string word = lower_case(take_word(line)); !word.empty() && !take(word, line)) {
+        throw file_.error_at(lines_.number(), "unknown STL line " + in_quotes(word), "'facet', 'vertex', 'endloop'");
+      }
+      // What else follows in a line is a name or a remark.
+      for (std::string_view rest = line; take(lower_case(take_word(rest)), rest);) line = rest;
+    }
+    if (in_loop_ || solids_ > 0) {
+      throw file_.error_at(lines_.number(), "the file ends within a solid", "'endsolid'; the file may be cut short");
+    }
+    if (!any_) throw no_facets(file_);
+  }
+
+ private:
+  /// Whether it is a statement; takes from `rest` what belongs to it.
+  bool take(const std::string& word, std::string_view& rest) {
+    if (word == "vertex") {
+      vertex(rest);
+    } else if (word == "facet") {
+      for (int k = 0; k < 4; ++k) (void)take_word(rest);  // normal x y z
+    } else if (word == "outer") {
+      found_ = 0;
+      in_loop_ = true;
+      (void)take_word(rest);  // loop
+    } else if (word == "endloop") {
+      end_loop();
+    } else if (word == "solid") {
+      ++solids_;
+      const std::string_view facet = from_facet(rest);
+      if (facet.empty() && ends_solid(rest)) --solids_;
+      rest = facet;
+    } else if (word == "endsolid") {
+      --solids_;
+      rest = from_facet(rest);
+      if (!rest.empty()) ++solids_;
+    } else {
+      return word == "endfacet";
+    }
+    return true;
+  }
+
+  /// Of a solid without facets in one line.
+  static bool ends_solid(std::string_view rest) {
+    for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
+      if (lower_case(word) == "endsolid") return true;
+    }
+    return false;
+  }
+
+  void vertex(std::string_view& rest) {
+    std::array<double, 3> v{};
+    for (double& value : v) {
+      const std::string_view number = take_word(rest);
+      const char* const end = number.data() + number.size();
+      if (number.empty() || parse_number(number.data(), end, value) != end) {
+        throw file_.error_at(lines_.number(), in_quotes(number) + " in a vertex", "'vertex x y z'");
+      }
+    }
+    if (found_ == 3 || !in_loop_) throw file_.error_at(lines_.number(), "a vertex too many", "three in a loop");
+    corners_[found_++] = sink_.vertex(static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]));
+  }
+
+  void end_loop() {
+    if (found_ != 3) {
+      throw file_.error_at(lines_.number(), "a loop of " + std::to_string(found_) + " vertices", "three vertices");
+    }
+    sink_.triangle(corners_);
+    in_loop_ = false;
+    any_ = true;
+  }
+
+  const ScanFile& file_;
+  TriangleSink sink_;
+  LineReader lines_;
+  std::array<std::uint32_t, 3> corners_{};
+  std::size_t found_ = 0;
+  bool in_loop_ = false;
+  int solids_ = 0;
+  bool any_ = false;
+};
 
 void read_ascii(const ScanFile& file, ScanWriter& out) {
   out.scan().format = "STL ascii";
@@ -109,55 +250,7 @@ void read_ascii(const ScanFile& file, ScanWriter& out) {
     const std::uint64_t count = count_loops(file);
     out.expect_mesh(vertices_of(count), count);
   }
-  TriangleSink sink(out);
-  LineReader lines(file.bytes);
-  std::string_view line;
-  std::array<std::uint32_t, 3> corners{};
-  std::size_t found = 0;
-  bool in_loop = false;
-  int solids = 0;
-  bool any = false;
-  std::size_t told = 0;
-  while (lines.next(line)) {
-    if (lines.offset() - told > (1U << 22)) {
-      told = lines.offset();
-      file.done_before(told - line.size() - 1);
-    }
-    std::string_view rest = line;
-    const std::string word = lower_case(take_word(rest));
-    if (word == "solid") {
-      ++solids;
-    } else if (word == "outer") {
-      found = 0;
-      in_loop = true;
-    } else if (word == "vertex") {
-      std::array<double, 3> v{};
-      for (double& value : v) {
-        const std::string_view number = take_word(rest);
-        const char* const end = number.data() + number.size();
-        if (number.empty() || parse_number(number.data(), end, value) != end) {
-          throw file.error_at(lines.number(), in_quotes(number) + " in a vertex", "'vertex x y z'");
-        }
-      }
-      if (found == 3 || !in_loop) throw file.error_at(lines.number(), "a vertex too many", "three in a loop");
-      corners[found++] = sink.vertex(static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]));
-    } else if (word == "endloop") {
-      if (found != 3) {
-        throw file.error_at(lines.number(), "a loop of " + std::to_string(found) + " vertices", "three vertices");
-      }
-      sink.triangle(corners);
-      in_loop = false;
-      any = true;
-    } else if (word == "endsolid") {
-      --solids;
-    } else if (!word.empty() && word != "facet" && word != "endfacet") {
-      throw file.error_at(lines.number(), "unknown STL line " + in_quotes(word), "'facet', 'vertex', 'endloop'");
-    }
-  }
-  if (in_loop || solids > 0) {
-    throw file.error_at(lines.number(), "the file ends within a solid", "'endsolid'; the file may be cut short");
-  }
-  if (!any) throw no_facets(file);
+  AsciiReader(file, out).read();
 }
 
 }  // namespace

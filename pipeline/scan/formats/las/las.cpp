@@ -62,6 +62,20 @@ void PointReader::finish(const ScanFile& file) {
 }
 
 void PointReader::compare_with_box(const ScanFile& file) {
+  constexpr std::array<double, 3> kZero{};
+  if (header_.box_low == kZero && header_.box_high == kZero) {
+    if (outside_ > 0)
+      out_.scan().notes.emplace_back("LAS: the header's box of the points is zero, as it was not filled in");
+    return;
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!(header_.box_low[k] > header_.box_high[k])) continue;
+    out_.scan().warnings.push_back(fmt::format(
+        "the header's box of the points has its least {0} ({1:.10g}) above its largest ({2:.10g}); it is not "
+        "used",
+        "xyz"[k], header_.box_low[k], header_.box_high[k]));
+    return;
+  }
   if (outside_ == 0 || !(header_.box_side > 0.0)) return;
   double longest = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -1,5 +1,6 @@
 #include "pipeline/scan/formats/obj/obj.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -54,6 +55,7 @@ class Reader {
     }
     if (vertices_ == 0) throw file_.empty("the OBJ file has no vertices", "lines 'v x y z'");
     RawScan& scan = out_.scan();
+    decide_first_number();
     if (swapped_ > 0) {
       scan.warnings.push_back(std::to_string(swapped_) + " numbers like '3.1+e2' were read as '3.1e+2'");
     }
@@ -69,7 +71,8 @@ class Reader {
   void inspect() {
     Statements statements(file_.bytes);
     std::string_view statement;
-    double largest = 0.0;
+    double largest = 0.0, largest_behind_weight = 0.0;
+    Range fourth, seventh;
     for (int seen = 0; seen < 1000 && statements.next(statement);) {
       if (!is_vertex(statement)) continue;
       ++seen;
@@ -77,6 +80,15 @@ class Reader {
       if (count < 6) continue;
       colour_ = true;
       for (std::size_t k = 3; k < 6; ++k) largest = std::max(largest, values_[k]);
+      fourth.add(values_[3]);
+      if (count < 7) continue;
+      for (std::size_t k = 4; k < 7; ++k) largest_behind_weight = std::max(largest_behind_weight, values_[k]);
+      seventh.add(values_[6]);
+    }
+    // Of seven numbers the fourth is a weight where it is always 1 and the last, as an opacity, would vary.
+    if (fourth.is_always(1.0) && seventh.most > seventh.least) {
+      first_colour_ = 4;
+      largest = largest_behind_weight;
     }
     scale_ = colour_scale(largest, true);
     swapped_ = 0;
@@ -84,7 +96,31 @@ class Reader {
     scan.format = "OBJ";
     scan.fields = {"x", "y", "z"};
     if (colour_) scan.fields.insert(scan.fields.end(), {"red", "green", "blue"});
+    if (first_colour_ == 4) {
+      scan.notes.emplace_back("OBJ: the fourth of seven numbers of a vertex is 1, a weight; colours are behind it");
+    }
     out_.begin(0, colour_ || paint_.any(), false);
+  }
+
+  /// Faces count from 1. Some programs let them count from 0: then they name 0, and never the last vertex.
+  void decide_first_number() {
+    if (zeros_ == 0) return;
+    std::vector<std::string>& warnings = out_.scan().warnings;
+    const bool from_zero = !counts_back_ && highest_ + 1 == static_cast<std::int64_t>(vertices_);
+    if (from_zero && !paint_.any()) {
+      out_.count_faces_from_zero();
+      warnings.push_back(
+          "the faces count from 0, as OBJ files should not: they name vertex 0, and never the last one; "
+          "they are read so");
+    } else if (from_zero) {
+      warnings.push_back(
+          "the faces seem to count from 0: they name vertex 0, and never the last one; they are read as "
+          "if they counted from 1, since their pictures are; write them so");
+    } else {
+      warnings.push_back(fmt::format(
+          "{} vertex 0, while OBJ files count from 1; if all faces count from 0, each of them is a vertex off",
+          zeros_ == 1 ? "1 corner of faces names" : fmt::format("{} corners of faces name", zeros_)));
+    }
   }
 
   /// Elements that are no faces.
@@ -158,8 +194,11 @@ class Reader {
     const int count = parse_values(statement, line);
     std::uint32_t rgba = kNoColour;
     if (count >= 6) {
-      rgba = pack_rgba(colour_byte(values_[3], scale_), colour_byte(values_[4], scale_),
-                       colour_byte(values_[5], scale_), count == 7 ? colour_byte(values_[6], scale_) : 255);
+      // A vertex of six numbers has no weight.
+      const std::size_t k = count == 7 ? first_colour_ : 3;
+      rgba =
+          pack_rgba(colour_byte(values_[k], scale_), colour_byte(values_[k + 1], scale_),
+                    colour_byte(values_[k + 2], scale_), count == 7 && k == 3 ? colour_byte(values_[6], scale_) : 255);
     } else if (colour_) {
       ++uncoloured_;
     }
@@ -181,12 +220,26 @@ class Reader {
       if (corners_.size() == ScanWriter::kMostCorners) {
         throw file_.error_at(line, "a face of more than " + std::to_string(corners_.size()) + " corners", "fewer");
       }
+      zeros_ += index == 0 ? 1 : 0;
+      highest_ = std::max(highest_, index);
+      counts_back_ = counts_back_ || index < 0;
       // Negative numbers count back from the last vertex so far.
       const std::int64_t number = index < 0 ? static_cast<std::int64_t>(vertices_) + index : index - 1;
       corners_.push_back(index == 0 || number < 0 || number >= kNone ? kNone : static_cast<std::uint32_t>(number));
     }
     out_.add_polygon(corners_);
   }
+
+  struct Range {
+    double least = std::numeric_limits<double>::infinity();
+    double most = -least;
+
+    void add(double value) {
+      least = std::min(least, value);
+      most = std::max(most, value);
+    }
+    [[nodiscard]] bool is_always(double value) const { return least == value && most == value; }
+  };
 
   struct Other {
     std::string_view keyword;
@@ -207,7 +260,11 @@ class Reader {
   std::uint64_t faces_ = 0;
   std::vector<std::uint32_t> corners_;
   std::uint64_t vertices_ = 0;
+  std::uint64_t zeros_ = 0;   ///< corners of faces that name vertex 0
+  std::int64_t highest_ = 0;  ///< that a face names
+  bool counts_back_ = false;
   bool colour_ = false;
+  std::size_t first_colour_ = 3;  ///< of seven numbers
   ColourScale scale_ = ColourScale::unit;
   std::uint64_t swapped_ = 0;
   std::uint64_t uncoloured_ = 0;

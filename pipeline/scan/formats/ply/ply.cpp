@@ -8,6 +8,38 @@
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
+namespace {
+
+/// Whether all of it, or at least half, is what numbers in text are made of.
+struct TextShare {
+  bool all = false, half = false;
+};
+TextShare text_share(std::string_view body) {
+  constexpr std::string_view kText = "0123456789+-.eE \t\r\n";
+  const std::string_view head = body.substr(0, 4096);
+  const auto count = static_cast<std::size_t>(
+      std::count_if(head.begin(), head.end(), [&](char c) { return kText.find(c) != std::string_view::npos; }));
+  return {count == head.size(), 2 * count >= head.size()};
+}
+
+/// A header that says text before bytes, or bytes before text: else nonsense is read, or said of a line.
+void require_encoding(const ScanFile& file, const ply::Header& header) {
+  const std::string_view body = file.bytes.substr(header.body);
+  const TextShare text = text_share(body);
+  if (header.encoding == ply::Encoding::ascii) {
+    if (!looks_binary(body) || text.half) return;
+    throw file.error("the PLY header says 'format ascii', but what follows it is binary",
+                     "'format binary_little_endian 1.0', or big_endian, in the header");
+  }
+  const bool numbers = body.find_first_of("0123456789") != std::string_view::npos &&
+                       body.find_first_of(" \t\r\n") != std::string_view::npos;
+  if (!text.all || !numbers) return;
+  throw file.error("the PLY header says that the file is binary, but what follows it are numbers in text",
+                   "'format ascii 1.0' in the header");
+}
+
+}  // namespace
+
 namespace ply {
 
 VertexColumns vertex_columns(const ScanFile& file, const Element& vertex) {
@@ -168,6 +200,7 @@ void read_ply(const ScanFile& file, ScanWriter& out) {
   scan.format = ascii                                      ? "PLY ascii"
                 : header.encoding == ply::Encoding::little ? "PLY binary little-endian"
                                                            : "PLY binary big-endian";
+  require_encoding(file, header);
   const std::size_t body = file.bytes.size() - header.body;
   std::size_t left = body;
   for (const ply::Element& element : header.elements) {
@@ -190,9 +223,13 @@ void read_ply(const ScanFile& file, ScanWriter& out) {
   }
   const ply::VertexColumns columns = ply::vertex_columns(file, *vertex);
   std::uint64_t faces = 0;
+  std::uint64_t coloured = 0;
   for (const ply::Element& element : header.elements) {
-    if (ply::role_of(element) == ply::Role::face) faces += element.count;
+    if (ply::role_of(element) != ply::Role::face) continue;
+    faces += element.count;
+    if (element.find({"red", "diffuse_red", "r"}) >= 0) coloured += element.count;
   }
+  if (coloured > 0) scan.warnings.push_back(unused_face_colours(coloured));
   out.expect_mesh(vertex->count, faces);
   const Paint paint = ply::paint_of(file, header, out);
   if (paint.any() && !columns.has_colour()) scan.fields.insert(scan.fields.end(), {"red", "green", "blue"});

@@ -67,7 +67,32 @@ TEST(ObjReader, LeavesOutFacesOnMissingVerticesAndSaysSo) {
   const RawScan scan =
       folder.read("f.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 12\nf 0 1 2\nf -9 1 2\nf 1 2 3\nf 1 2 3 99999999999\n");
   EXPECT_THAT(scan.faces, ElementsAre(Face{0, 1, 2}));
-  EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("4 faces")));
+  EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("1 corner of faces names vertex 0"), HasSubstr("4 faces")));
+}
+
+TEST(ObjReader, ReadsFacesThatCountFromZeroAndSaysSo) {
+  const ScanFolder folder;
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\n";
+  const RawScan scan = folder.read("z.obj", vertices + "f 1 4 2\nf 0 1 2 3\n");
+  EXPECT_THAT(scan.faces, ElementsAre(Face{1, 4, 2}, Face{0, 1, 2}, Face{0, 2, 3}));
+  EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("count from 0")));
+  // The last vertex is named, or none next to it: one 0 tells nothing of the other faces.
+  for (const std::string faces : {"f 0 1 2\nf 3 4 5\n", "f 0 1 2\n", "f 0 1 2\nf 2 3 4\nf -1 -2 -3\n"}) {
+    EXPECT_THAT(folder.read("o.obj", vertices + faces).warnings,
+                ElementsAre(HasSubstr("1 corner of faces names vertex 0"), HasSubstr("1 face names vertices")))
+        << faces;
+  }
+}
+
+TEST(ObjReader, ColoursBehindAWeightAreThoseBehindIt) {
+  const ScanFolder folder;
+  const RawScan scan = folder.read("w.obj", "v 0 0 0 1.0 1 0.5 0\nv 1 1 1 1.0 0 0 1\n");
+  EXPECT_THAT(scan.rgba, ElementsAre(0xFF0080FFU, 0xFFFF0000U));
+  EXPECT_THAT(scan.notes, ElementsAre(HasSubstr("a weight")));
+  EXPECT_THAT(folder.read("b.obj", "v 0 0 0 1 255 128 0\nv 1 1 1 1 0 0 255\n").rgba,
+              ElementsAre(0xFF0080FFU, 0xFFFF0000U));
+  // An opacity that never varies tells nothing.
+  EXPECT_THAT(folder.read("a.obj", "v 0 0 0 1 0.5 0 1\nv 1 1 1 1 0 1 1\n").rgba, ElementsAre(0xFF0080FFU, 0xFFFF00FFU));
 }
 
 TEST(ObjReader, RefusesBrokenLinesWithTheirNumber) {

@@ -9,6 +9,7 @@ namespace {
 using ::testing::ElementsAre;
 using testing::expect_refused;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using testing::put;
 using testing::ScanFolder;
 using Face = std::array<std::uint32_t, 3>;
@@ -46,6 +47,48 @@ TEST(StlReader, ReadsAsciiWithSeveralSolidsAndCrlf) {
   EXPECT_EQ(scan.format, "STL ascii");
   EXPECT_EQ(scan.records, 3U);
   EXPECT_THAT(scan.faces, ElementsAre(Face{0, 1, 2}));
+}
+
+TEST(StlReader, ReadsAsciiInOneLine) {
+  const ScanFolder folder;
+  const std::string facet =
+      " facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet FACET NORMAL 0 0 1 OUTER "
+      "LOOP VERTEX 1 0 0 VERTEX 1 1 0 VERTEX 0 1 0 ENDLOOP ENDFACET";
+  const std::vector<std::string> texts = {
+      "solid a" + facet + " endsolid a", "solid" + facet + " endsolid",
+      "solid facet of a stone" + facet + " endsolid facet of a stone\n", "solid endsolid\nsolid" + facet + "\nendsolid",
+      "solid a facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet endsolid a "
+      "solid "
+      "b facet normal 0 0 1 outer loop vertex 1 0 0 vertex 1 1 0 vertex 0 1 0 endloop endfacet endsolid b"};
+  for (const std::string& text : texts) {
+    const RawScan scan = folder.read("a.stl", text);
+    EXPECT_EQ(scan.records, 4U) << text;
+    EXPECT_THAT(scan.faces, ElementsAre(Face{0, 1, 2}, Face{1, 3, 2})) << text;
+  }
+  expect_refused("cut.stl", "solid a" + facet, "ends within a solid");
+  expect_refused("cut.stl", "solid a" + facet.substr(0, 70), "ends within a solid");
+  // Remarks behind a statement are none.
+  EXPECT_EQ(folder
+                .read("r.stl",
+                      "solid a solid part\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0 // a\nvertex 1 0 0\n"
+                      "vertex 0 1 0\nendloop\nendfacet\nendsolid a solid part\n")
+                .faces.size(),
+            1U);
+}
+
+TEST(StlReader, SaysThatColoursOfFacesAreNotUsed) {
+  const ScanFolder folder;
+  const auto warnings = [&](const std::string& head, std::uint16_t first, std::uint16_t second) {
+    std::string bytes = binary_stl(head, 2, kTwoTriangles);
+    bytes.replace(84 + 48, 2, std::string({static_cast<char>(first & 0xFF), static_cast<char>(first >> 8)}));
+    bytes.replace(84 + 98, 2, std::string({static_cast<char>(second & 0xFF), static_cast<char>(second >> 8)}));
+    return folder.read("c.stl", bytes).warnings;
+  };
+  EXPECT_THAT(warnings("VisCAM", 0xFC04, 0x8001), ElementsAre(HasSubstr("colours of 2 faces are not used")));
+  EXPECT_THAT(warnings("VisCAM", 0xFC04, 0), ElementsAre(HasSubstr("colour of 1 face is not used")));
+  EXPECT_THAT(warnings("COLOR=abcd", 0x0C1F, 0x8000), ElementsAre(HasSubstr("colour of 1 face is not used")));
+  EXPECT_THAT(warnings("other", 0x0C1F, 0), IsEmpty());
+  EXPECT_THAT(warnings("other", 0xFFFF, 0xFFFF), IsEmpty());
 }
 
 TEST(StlReader, CountsInvalidVertices) {

@@ -261,6 +261,15 @@ TEST(LasReader, WarnsOfPointsFarOutsideTheHeadersBoxAndRefusesAnAbsurdSpread) {
   testing::expect_refused("a.las", with_box(file, 100.0, 111.0), "far outside the header's box");
 }
 
+TEST(LasReader, SaysThatItsHeadersBoxIsZeroOrExchanged) {
+  const testing::ScanFolder folder;
+  const LasFile file = boxed(2, 100);
+  EXPECT_THAT(folder.read("a.las", with_box(file, 100.0, 111.0)).notes, ::testing::IsEmpty());
+  EXPECT_THAT(folder.read("a.las", with_box(file, 0.0, 0.0)).notes, ::testing::ElementsAre(HasSubstr("not filled in")));
+  EXPECT_THAT(folder.read("a.las", with_box(file, 111.0, 100.0)).warnings,
+              ::testing::ElementsAre(::testing::AllOf(HasSubstr("least x (111)"), HasSubstr("largest (100)"))));
+}
+
 TEST(LasReader, RefusesAFileWhoseLineFeedsWereTranslated) {
   LasFile file = boxed(2, 2000);  // their bytes hold line feeds
   const std::string bytes = file.bytes();
@@ -278,7 +287,7 @@ TEST(LasReader, NotesNameRulesOfLas14ThatAreBroken) {
   file.minor = 4;
   file.format = 6;
   file.points = {las_point(6, 1, 2, 3)};
-  std::string bytes = file.bytes();
+  std::string bytes = with_box(file, 100.0, 111.0);
   EXPECT_THAT(read_scan_bytes(bytes, "a.las").notes, ::testing::ElementsAre(HasSubstr("reference as WKT")));
   bytes[6] = 16;
   EXPECT_THAT(read_scan_bytes(bytes, "a.las").notes, ::testing::IsEmpty());
@@ -287,17 +296,17 @@ TEST(LasReader, NotesNameRulesOfLas14ThatAreBroken) {
               ::testing::ElementsAre(HasSubstr("in the old place of the header, it has 1")));
   file.format = 3;
   file.points = {las_point(3, 1, 2, 3)};
-  EXPECT_THAT(read_scan_bytes(file.bytes(), "a.las").notes, ::testing::IsEmpty());
+  EXPECT_THAT(read_scan_bytes(with_box(file, 100.0, 111.0), "a.las").notes, ::testing::IsEmpty());
 }
 
 TEST(LasReader, NotesNameSoftwareSystemAndReference) {
   const ScanFolder folder;
   LasFile file;
   file.points = {las_point(0, 1, 2, 3)};
-  EXPECT_THAT(folder.read("a.las", file.bytes()).notes, ::testing::IsEmpty());
+  EXPECT_THAT(folder.read("a.las", with_box(file, 100.0, 111.0)).notes, ::testing::IsEmpty());
   file.record_id = 2112;
   file.record = "COMPD_CS[\"ETRS89 / UTM 32N + \x1BHeight\",PROJCS[\"other\"]]";
-  std::string bytes = file.bytes();
+  std::string bytes = with_box(file, 100.0, 111.0);
   bytes.replace(26, 5, "  Sys");
   bytes.replace(58, 32, "Program with a name of 32 letter");
   EXPECT_THAT(folder.read("b.las", bytes).notes,
@@ -305,7 +314,8 @@ TEST(LasReader, NotesNameSoftwareSystemAndReference) {
                                      "LAS: coordinates of ETRS89 / UTM 32N + ?Height"));
   file.record_id = 34737;
   file.record = "NAD83 / zone 10|NAVD88|";
-  EXPECT_THAT(folder.read("c.las", file.bytes()).notes, ::testing::ElementsAre("LAS: coordinates of NAD83 / zone 10"));
+  EXPECT_THAT(folder.read("c.las", with_box(file, 100.0, 111.0)).notes,
+              ::testing::ElementsAre("LAS: coordinates of NAD83 / zone 10"));
 }
 
 TEST(Las, NearInfraredIsAFieldAndWhatIsNotReadIsSaid) {
@@ -327,7 +337,7 @@ TEST(Las, NearInfraredIsAFieldAndWhatIsNotReadIsSaid) {
   }
   file = {};
   file.points = {las_point(0, 1, 2, 3) + "abc"};
-  std::string bytes = file.bytes();
+  std::string bytes = with_box(file, 100.0, 111.0);
   set(bytes, 105, std::uint16_t{23});
   EXPECT_THAT(read_scan_bytes(bytes, "a.las").notes,
               ::testing::ElementsAre("LAS: 3 bytes behind each point, which the file does not describe, are not read"));

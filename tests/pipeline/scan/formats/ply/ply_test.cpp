@@ -34,6 +34,37 @@ TEST(PlyReader, ReadsAsciiFloats) {
   EXPECT_EQ(scan.invalid, 0U);
 }
 
+TEST(PlyReader, RefusesABodyThatIsNotAsItsHeaderSays) {
+  const std::string vertices = "element vertex 3\n" + kXyz;
+  std::string bytes;
+  for (const float value : {0.0F, 0.5F, -0.25F, 1.0F, 2.0F, 3.0F, 0.1F, 0.2F, 0.3F}) put(bytes, value);
+  const std::string text = "0 0.5 -0.25\n1 2 3\n0.1 0.2 3e-1\n";
+  const auto wrong = [&](const std::string& format, const std::string& body) {
+    const std::optional<Error> error = error_of_bytes("a.ply", header(format, vertices) + body);
+    return error ? std::string(error->what()) : "";
+  };
+  for (const std::string format : {"binary_little_endian", "binary_big_endian"}) {
+    EXPECT_THAT(wrong(format, text + text), HasSubstr("numbers in text"));
+    EXPECT_EQ(wrong(format, bytes), "");
+  }
+  EXPECT_THAT(wrong("ascii", bytes), HasSubstr("what follows it is binary"));
+  EXPECT_EQ(wrong("ascii", text), "");
+  EXPECT_THAT(wrong("ascii", "0 0.5 x\n1 2 3\n"), HasSubstr("is not a number"));
+}
+
+TEST(PlyReader, SaysThatColoursOfFacesAreNotUsed) {
+  const ScanFolder folder;
+  const std::string mesh = "element vertex 3\n" + kXyz + "element face 1\nproperty list uchar int vertex_indices\n";
+  const std::string rows = "0 0 0\n1 0 0\n0 1 0\n3 0 1 2";
+  EXPECT_THAT(
+      folder
+          .read("a.ply", header("ascii", mesh + "property uchar red\nproperty uchar green\nproperty uchar blue\n") +
+                             rows + " 9 8 7\n")
+          .warnings,
+      ElementsAre(HasSubstr("colour of 1 face is not used")));
+  EXPECT_TRUE(folder.read("b.ply", header("ascii", mesh) + rows + "\n").warnings.empty());
+}
+
 TEST(PlyReader, AgreesWithIostreamOnRandomAsciiNumbers) {
   const ScanFolder folder;
   std::mt19937_64 random(42);
