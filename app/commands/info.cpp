@@ -20,6 +20,7 @@
 #include "pipeline/projection/count_scattered.h"
 #include "pipeline/scan/inspect.h"
 #include "pipeline/scan/units.h"
+#include "pipeline/scan/up_axes.h"
 #include "pipeline/scan/worth.h"
 #include "scene/scene.h"
 
@@ -187,10 +188,14 @@ std::string scene_text(const fs::path& folder, const scene::SceneDescription& sc
 }
 
 /// Of several scans together: each sentence with the index of the scan that it is about.
-std::vector<std::pair<std::size_t, std::string>> doubts_between(const std::vector<pipeline::ScanSize>& sizes) {
+std::vector<std::pair<std::size_t, std::string>> doubts_between(const std::vector<pipeline::ScanSize>& sizes,
+                                                                const std::vector<pipeline::ScanUp>& ups) {
   std::vector<std::pair<std::size_t, std::string>> doubts;
   for (pipeline::UnitDifference& difference : pipeline::differing_units(sizes)) {
     doubts.emplace_back(difference.large, std::move(difference.reason));
+  }
+  if (std::optional<pipeline::UpDifference> difference = pipeline::differing_up(ups)) {
+    doubts.emplace_back(difference->scan, std::move(difference->reason));
   }
   return doubts;
 }
@@ -216,7 +221,7 @@ class Inspection {
   }
 
   [[nodiscard]] int tell(bool alone) {
-    for (const auto& [scan, doubt] : doubts_between(sizes_)) {
+    for (const auto& [scan, doubt] : doubts_between(sizes_, ups_)) {
       if (common_.json) all_[place_[scan]]["warnings"].push_back(doubt);
       text_ +=
           common_.plain ? fmt::format("There is a warning: {}.\n", doubt) : fmt::format("warning       {}\n", doubt);
@@ -251,6 +256,7 @@ class Inspection {
           scattered = pipeline::count_scattered(points, unit_m, pool);
         });
     sizes_.emplace_back(file, info.sample_m, info.points - info.invalid, info.units != "unknown");
+    ups_.push_back({file, info.format});
     place_.push_back(all_.size());
     if (common_.json) {
       all_.push_back(scan_json(file, info));
@@ -266,6 +272,7 @@ class Inspection {
   Json all_ = Json::array();
   std::string text_;
   std::vector<pipeline::ScanSize> sizes_;
+  std::vector<pipeline::ScanUp> ups_;
   std::vector<std::size_t> place_;  // of each of them, in `all_`
   int code_ = 0;
 };

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/files/files.h"
 #include "base/threads/background.h"
@@ -22,6 +23,7 @@
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/straight.h"
 #include "pipeline/scan/units.h"
+#include "pipeline/scan/up_axes.h"
 #include "scene/scene.h"
 
 namespace sparsha::pipeline {
@@ -43,6 +45,18 @@ void round_points(const Placement& placement, const Eigen::Vector3d& origin_m, s
       far(i);
     }
   }
+}
+
+bool is_among(const std::string& name, const std::vector<std::string>& names) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Of a field: that it is no coordinate, which tables have as "easting (x)", no colour and no normal.
+bool tells_more(const std::string& key) {
+  for (const std::string_view of_place : {" (x)", " (y)", " (z)"}) {
+    if (key.ends_with(of_place)) return false;
+  }
+  return key == kIntensityField || !is_known_otherwise(key);
 }
 
 /// The fields of some points of a block.
@@ -96,6 +110,8 @@ struct ScanSet::Scan {
   std::uint64_t valid = 0;      ///< of these, without empty returns
   bool colour = false;
   bool intensity = false;
+  bool normals = false;
+  std::vector<bool> has_field;  ///< of ReadOptions::fields
   /// Points that were looked at, file units.
   struct Looked {
     std::uint64_t count = 0;
@@ -152,6 +168,11 @@ struct ScanSet::Scan {
     look_at_normals(block);
     colour = colour || !block.rgba.empty();
     intensity = intensity || !block.intensity.empty();
+    normals = normals || !block.normals.empty();
+    has_field.resize(options.fields.size());
+    for (std::size_t k = 0; k < block.fields.size(); ++k) {
+      if (!block.fields[k].empty()) has_field[k] = true;
+    }
     for (const Eigen::Vector3d& p : block.points) {
       (is_at_scanner(p, block.station) ? at_scanner : looked).add(p, bounds);
     }
@@ -174,19 +195,22 @@ struct ScanSet::Scan {
   [[nodiscard]] PointSink without_empty_returns(const PointSink& sink) const {
     if (valid == delivered) return sink;
     return [&sink, points = std::vector<Eigen::Vector3d>(), rgba = std::vector<std::uint32_t>(),
-            intensity = std::vector<float>(), fields = FieldBuffer()](const PointBlock& block) mutable {
+            intensity = std::vector<float>(), normals = std::vector<Eigen::Vector3f>(),
+            fields = FieldBuffer()](const PointBlock& block) mutable {
       points.clear();
       rgba.clear();
       intensity.clear();
+      normals.clear();
       fields.begin(block.fields);
       for (std::size_t i = 0; i < block.points.size(); ++i) {
         if (is_at_scanner(block.points[i], block.station)) continue;
         points.push_back(block.points[i]);
         if (!block.rgba.empty()) rgba.push_back(block.rgba[i]);
         if (!block.intensity.empty()) intensity.push_back(block.intensity[i]);
+        if (!block.normals.empty()) normals.push_back(block.normals[i]);
         fields.add(block.fields, i);
       }
-      sink({points, rgba, intensity, {}, {}, fields.spans()});
+      sink({points, rgba, intensity, {}, normals, fields.spans()});
     };
   }
   /// Throws Error{input} when the file has not the points any more that were looked at.
@@ -209,7 +233,7 @@ struct ScanSet::Scan {
       (void)stream_scan(file, counted, &progress, again);
     } else {
       const std::vector<std::span<const float>> fields(raw.values.begin(), raw.values.end());
-      counted({raw.points, raw.rgba, raw.intensity, {}, {}, fields});
+      counted({raw.points, raw.rgba, raw.intensity, {}, raw.normals, fields});
     }
     if (seen != delivered) throw changed();
   }
@@ -270,7 +294,8 @@ struct ScanSet::Scan {
     } else {
       scan->raw = read_scan(config.file, &progress, scan->options);
       drop_what_is_no_surface(scan->raw);
-      scan->look({scan->raw.points, scan->raw.rgba, scan->raw.intensity, {}, scan->raw.normals}, bounds);
+      const std::vector<std::span<const float>> values(scan->raw.values.begin(), scan->raw.values.end());
+      scan->look({scan->raw.points, scan->raw.rgba, scan->raw.intensity, {}, scan->raw.normals, values}, bounds);
       const std::vector<RawStation>& stations = scan->raw.stations;
       for (std::size_t s = 0; s < stations.size(); ++s) {
         const std::size_t end = s + 1 < stations.size() ? stations[s + 1].first : scan->raw.points.size();
@@ -317,6 +342,7 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
     : configs_(scans), fields_(fields), abandoned_(std::make_shared<std::atomic<bool>>(false)) {
   PointSample sample;
   std::vector<ScanSize> sizes;
+  std::vector<ScanUp> ups;
   std::vector<std::string> apart;  // what is said of points' pieces
   std::optional<EmptyScan> empty;  // the first of those without a point
   MeshRefusal refusal_of_all;
@@ -351,6 +377,7 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
       faces_ += scan.raw.faces.size();
       colour_ = colour_ || scan.colour;
       intensity_ = intensity_ || scan.intensity;
+      normals_ = normals_ || scan.normals;
       z_up_ = z_up_ || is_z_up(scan.raw.format);
       if (!scan.raw.pieces.empty()) {
         (scan.raw.faces.empty() ? apart : pieces_).push_back(config.file.string() + ": " + scan.raw.pieces);
@@ -360,6 +387,8 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
       placed.merge(scan.looked.sample, scan.placement);
       const bool has_unit = scan.raw.unit || config.units.unit != scene::LengthUnit::automatic;
       sizes.emplace_back(config.file.string(), placed.points(), scan.valid, has_unit);
+      const bool turned = !config.pose.topLeftCorner<3, 3>().isIdentity(0.0);
+      ups.push_back({config.file.string(), scan.raw.format, turned});
       if (scan.has_chosen_unit(config)) {
         const double away_m = scan.away() * metres_in_unit(config, scan.raw.unit);
         nearest_of_chosen_unit_m_ = std::min(nearest_of_chosen_unit_m_.value_or(away_m), away_m);
@@ -367,6 +396,7 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
     }
     if (empty && points_ == 0) throw *empty;
     for (const UnitDifference& difference : differing_units(sizes)) progress.warn(difference.reason);
+    if (const std::optional<UpDifference> difference = differing_up(ups)) progress.warn(difference->reason);
   } catch (...) {
     *abandoned_ = true;
     throw;
@@ -382,6 +412,32 @@ void ScanSet::require_surface() const {
     if (scans_[s]->valid > 0) files.push_back(configs_[s].file.string());
   }
   pipeline::require_surface(names_together(files), sample_m_, points_);
+}
+
+void ScanSet::require_fields() const {
+  std::vector<std::string> files;
+  std::vector<std::string> names;
+  std::vector<bool> has(fields_.size());
+  for (std::size_t s = 0; s < scans_.size(); ++s) {
+    const Scan& scan = *scans_[s];
+    if (scan.valid == 0) continue;
+    files.push_back(configs_[s].file.string());
+    for (const std::string& name : scan.raw.fields) {
+      const std::string key = field_key(name);
+      if (tells_more(key) && !is_among(key, names)) names.push_back(key);
+    }
+    for (std::size_t k = 0; k < fields_.size(); ++k) {
+      has[k] = has[k] || scan.has_field[k] || (fields_[k] == kIntensityField && scan.intensity);
+    }
+  }
+  for (std::size_t k = 0; k < fields_.size(); ++k) {
+    if (has[k]) continue;
+    throw input_error(
+        names_together(files),
+        fmt::format("{} the field '{}'", files.size() == 1 ? "it has not" : "none of them has", fields_[k]),
+        names.empty() ? "scans with that field; these have none beside places, colours and normals"
+                      : fmt::format("one of {}", fmt::join(names, ", ")));
+  }
 }
 
 ScanSet::~ScanSet() { *abandoned_ = true; }
@@ -420,7 +476,9 @@ std::vector<Station> ScanSet::stations() const {
   return stations;
 }
 
-Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress) {
+Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress) { return load(origin_m, progress, false); }
+
+Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress, bool normals) {
   Cloud cloud;
   cloud.stations = stations();
   cloud.origin_m = origin_m;
@@ -428,6 +486,8 @@ Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress) {
   cloud.faces.reserve(faces_);
   if (colour_) cloud.rgba.reserve(cloud.size());
   if (intensity_) cloud.intensity.reserve(cloud.size());
+  normals = normals && normals_;
+  if (normals) cloud.normals.reserve(cloud.size());
   for (const std::string& name : fields_) {
     cloud.fields.push_back({name, {}});
     cloud.fields.back().values.reserve(cloud.size());
@@ -443,6 +503,7 @@ Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress) {
     std::vector<std::uint32_t> moved;
     const bool faces = !scan->raw.faces.empty();
     if (faces) moved.reserve(static_cast<std::size_t>(scan->valid));
+    const Eigen::Matrix3f turn = configs_[s].pose.topLeftCorner<3, 3>().cast<float>();
     scan->for_each_block(
         [&](const PointBlock& block) {
           float* out = cloud.xyz1() + 4 * count;
@@ -457,8 +518,15 @@ Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress) {
                 ++count;
                 if (colour_) cloud.rgba.push_back(block.rgba.empty() ? kNoColour : block.rgba[i]);
                 if (intensity_) cloud.intensity.push_back(block.intensity.empty() ? kNoIntensity : block.intensity[i]);
+                if (normals) {
+                  const Eigen::Vector3f none = Eigen::Vector3f::Zero();
+                  cloud.normals.push_back(block.normals.empty() ? none : Eigen::Vector3f(turn * block.normals[i]));
+                }
                 for (std::size_t k = 0; k < fields_.size(); ++k) {
-                  cloud.fields[k].values.push_back(block.fields[k].empty() ? kNoValue : block.fields[k][i]);
+                  // Not every format gives its intensity by that name, too.
+                  const bool other = block.fields[k].empty() && fields_[k] == kIntensityField;
+                  const std::span<const float> values = other ? block.intensity : block.fields[k];
+                  cloud.fields[k].values.push_back(values.empty() ? kNoValue : values[i]);
                 }
               },
               [&](std::size_t) {

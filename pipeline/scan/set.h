@@ -70,6 +70,8 @@ class ScanSet {
   /// a point's worth.
   [[nodiscard]] const std::vector<std::string>& fields_of(std::size_t scan) const;
   [[nodiscard]] const std::vector<FieldTally>& tallies_of(std::size_t scan) const;
+  /// Throws Error{input} when no scan has one of fields(); the error names those that there are.
+  void require_fields() const;
   /// By the custom of any of the formats, see is_z_up().
   [[nodiscard]] bool z_up() const { return z_up_; }
   /// Scans whose unit the configuration says and their format does not: how far the nearest of them lies from zero.
@@ -91,6 +93,8 @@ class ScanSet {
   /// All points in one cloud, in the configuration's order. Points beyond float32 become invalid, and faces on them go.
   /// Gives back what Keep::quickest has kept, so that it comes last.
   [[nodiscard]] Cloud load(const Eigen::Vector3d& origin_m, Progress& progress);
+  /// The same; `normals`: with those that the files state, turned by the scans' poses; zero for points that have none.
+  [[nodiscard]] Cloud load(const Eigen::Vector3d& origin_m, Progress& progress, bool normals);
 
   /// The same points block by block, relative to origin_m(); returns how many are beyond float32. May be called again.
   /// Attributes are there when any of the scans has them. Throws Cancelled.
@@ -113,7 +117,7 @@ class ScanSet {
   std::vector<std::string> pieces_;
   std::vector<Eigen::Vector3d> sample_m_;
   std::optional<double> nearest_of_chosen_unit_m_;
-  bool colour_ = false, intensity_ = false, z_up_ = false;
+  bool colour_ = false, intensity_ = false, normals_ = false, z_up_ = false;
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
 };
 

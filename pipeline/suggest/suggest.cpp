@@ -24,6 +24,7 @@
 #include "pipeline/scan/statistics.h"
 #include "pipeline/scan/straight.h"
 #include "pipeline/scan/units.h"
+#include "pipeline/scan/up_axes.h"
 #include "pipeline/suggest/floors.h"
 #include "pipeline/suggest/group.h"
 #include "pipeline/suggest/search.h"
@@ -217,6 +218,12 @@ std::string look_at(const std::vector<fs::path>& files, const fs::path& folder, 
   }
   if (scans.empty()) throw *empty;
   const std::vector<FoundUnit> units = units_of(scans, all, progress);
+  std::vector<ScanUp> ups;
+  for (std::size_t s = 0; s < scans.size(); ++s) ups.push_back({scans[s].string(), all[s].scan.format});
+  if (const std::optional<UpDifference> difference = differing_up(ups)) {
+    progress.warn(difference->reason);
+    text += fmt::format("  # {}\n", yaml::comment(difference->reason));
+  }
   std::vector<std::string> apart;  // what is said of points' pieces
   for (std::size_t s = 0; s < scans.size(); ++s) {
     const std::string columns = columns_text(all[s].scan);

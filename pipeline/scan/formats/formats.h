@@ -24,6 +24,7 @@ struct Format {
   void (*read)(const ScanFile&, ScanWriter&) = nullptr;
   bool z_up = false;           ///< its third coordinate is height by custom or rule
   bool by_ending = false;      ///< a file of its ending is read as it although nothing in it tells
+  bool y_up = false;           ///< its second coordinate is height by rule
   std::string_view missing{};  ///< a file of its ending that is not told is an error: what it must begin with
   bool (*may_hold_faces)(const ScanFile&) = nullptr;  ///< null: never
   /// Its records are read again as fast as from memory; null: never.
