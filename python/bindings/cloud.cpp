@@ -217,7 +217,8 @@ CloudPointer read(const py::object& files, const py::object& units, const std::v
   return run(progress, [&](Progress& told) {
     told.begin("read");
     pipeline::ScanSet set(scans, pipeline::ScanSet::Keep::quickest, false, told, keys);
-    return std::make_shared<Cloud>(set.load(set.origin_m(), told));
+    set.require_fields();
+    return std::make_shared<Cloud>(set.load(set.origin_m(), told, true));
   });
 }
 
@@ -325,7 +326,8 @@ All arrays that a cloud gives are read-only views of its own buffers; they keep 
           "(n,) float32 as the scan has it, NaN where unknown. None without intensities. A view.")
       .def_property_readonly(
           "normals", [](const py::object& self) { return view_of(self, "normals"); },
-          "(n, 3) float32 as they were given. None without normals. A view.")
+          "(n, 3) float32 as they were given or as the scans state them, turned by their poses; 0 0 0 where a scan of "
+          "several states none. None without normals. A view.")
       .def_property_readonly(
           "faces", [](const py::object& self) { return view_of(self, "faces"); },
           "(m, 3) uint32: triangles, indices into `points`. A view.")
@@ -345,7 +347,7 @@ Raises UsageError for unknown names, with line and column of the list as JSON; I
 files: a path, a list of paths, or of dicts as a configuration's `scans` has them ({"file", "units", "pose"}), or
 the path of a configuration, whose scans are read. units: "m", "cm", "mm", "ft" or "us_ft" for scans that do not
 say so themselves; None: the format's own, else metres. fields: names of what the points shall keep besides, e.g.
-["confidence"]. progress: called with (stage, fraction). Returns a Cloud in metres, in the order of the files.
+["confidence"]; one that no file has is an InputError, which names those that there are. progress: called with (stage, fraction). Returns a Cloud in metres, in the order of the files.
 
 Raises InputError with file and line; KeyboardInterrupt on Ctrl-C; warns of implausible units (sparsha.Warning).)");
 }

@@ -9,10 +9,17 @@
 
 #include "base/error.h"
 #include "base/system.h"
+#include "pipeline/scan/fields.h"
 #include "python/bindings/cloud.hpp"
 
 namespace sparsha::python {
 namespace {
+
+/// Whether the file has it from `fields`: not what stands in it by that name already, such as normals.
+bool is_written(const pipeline::Cloud& cloud, const pipeline::PointField& field) {
+  if (field.name == pipeline::kIntensityField) return cloud.intensity.empty();
+  return !pipeline::is_known_otherwise(field.name);
+}
 
 std::string header_of(const pipeline::Cloud& cloud) {
   std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(cloud.size()) +
@@ -22,7 +29,9 @@ std::string header_of(const pipeline::Cloud& cloud) {
     text += "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
   }
   if (!cloud.intensity.empty()) text += "property float intensity\n";
-  for (const pipeline::PointField& field : cloud.fields) text += "property float " + field.name + "\n";
+  for (const pipeline::PointField& field : cloud.fields) {
+    if (is_written(cloud, field)) text += "property float " + field.name + "\n";
+  }
   if (!cloud.faces.empty()) {
     text += "element face " + std::to_string(cloud.faces.size()) + "\nproperty list uchar uint vertex_indices\n";
   }
@@ -93,7 +102,9 @@ void CloudFile::write(Progress& progress) const {
     }
     if (!cloud.rgba.empty()) bytes.put(cloud.rgba[n]);
     if (!cloud.intensity.empty()) bytes.put(cloud.intensity[n]);
-    for (const pipeline::PointField& field : cloud.fields) bytes.put(field.values[n]);
+    for (const pipeline::PointField& field : cloud.fields) {
+      if (is_written(cloud, field)) bytes.put(field.values[n]);
+    }
   }
   for (const std::array<std::uint32_t, 3>& face : cloud.faces) {
     bytes.put(std::uint8_t{3});
