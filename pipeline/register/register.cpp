@@ -376,6 +376,8 @@ class Registrar {
       if (again == edges) break;
       edges = std::move(again);
     }
+    settle_jointly(surfaces, edges, fine_touch_m_, context_);
+    for (std::size_t s = 1; s < surfaces.size(); ++s) posed_.scans[s].pose = surfaces[s].pose;
     for (Pair& pair : pairs_) {
       if (pair.fit.use != PairFit::Use::used) continue;
       if (moved_m(pair, present(pair)) > fine_touch_m_) pair.fit.use = PairFit::Use::rejected;

@@ -16,9 +16,7 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kShrink = 0.6;  // of the distance from stage to stage
-// Of a stage. The last but one settles on a sample, and the last one moves on from there with all elements: what is
-// left of the noise adds up from station to station (a hall of 40 with a sample of 8000: 3.1 mm at a noise of 3, with
-// all 1.3).
+// Of a stage.
 struct Effort {
   int iterations;
   double settled;      ///< spacings that the last step may move points
@@ -188,7 +186,12 @@ void relax_jointly(std::vector<PosedSurface>& scans, const std::vector<Edge>& ed
   Relaxation relaxation(scans, edges, context);
   for (double distance_m = from_m; distance_m > to_m; distance_m *= kShrink) relaxation.stage(distance_m, kRough);
   relaxation.stage(to_m, kSettling);
-  relaxation.stage(to_m, kWhole);
+}
+
+void settle_jointly(std::vector<PosedSurface>& scans, const std::vector<Edge>& edges, double within_m,
+                    const Context& context) {
+  if (scans.size() < 2 || edges.empty()) return;
+  Relaxation(scans, edges, context).stage(within_m, kWhole);
 }
 
 }  // namespace sparsha::pipeline

@@ -157,7 +157,8 @@ INSTANTIATE_TEST_SUITE_P(
         Kind{"Torus", [] { return Allowed{.on = touched("torus", make_torus())}; }},
         Kind{"TwoSpheres", [] { return Allowed{.on = touched("two spheres", make_two_spheres())}; }},
         Kind{"Vase", [] { return Allowed{.on = touched("vase", make_vase(turned(48.0, 0.0)), 100'000)}; }},
-        Kind{"Knot", [] { return Allowed{.on = touched("knot", make_knot())}; }},
+        // Of 20 000 points its strands are so near to each other that one place has no node of any side.
+        Kind{"Knot", [] { return Allowed{.on = touched("knot", make_knot(), 100'000)}; }},
         Kind{"Coin", [] { return Allowed{.on = touched("coin", make_coin()), .has_edges = true}; }},
         Kind{"PlateOfFive",
              [] {
@@ -190,8 +191,8 @@ TEST_P(AroundKinds, TenMillionTicksEndOnTheSurface) {
   EXPECT_GT(o.contacts, o.ticks / 4) << all;
   EXPECT_EQ(o.not_a_number, 0U) << all;
   EXPECT_LE(o.unfinished, o.ticks / 1'000) << all;
-  // Through what is thin a hand comes out again while it is held.
-  if (!c.has_edges) {
+  // Through what is thin, or out of a hole, a hand comes out again while it is held.
+  if (!c.has_edges && !c.has_hole) {
     EXPECT_EQ(o.trapped, 0U) << all;
   }
   const std::size_t edges = c.has_edges ? 1 + o.ticks / 5'000 : 0;  // ticks at them

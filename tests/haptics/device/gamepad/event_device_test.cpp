@@ -43,7 +43,7 @@ void set_bit(void* bits, std::size_t size, int bit) {
   if (static_cast<std::size_t>(bit) / 8 < size) static_cast<unsigned char*>(bits)[bit / 8] |= 1U << (bit % 8);
 }
 
-int answer(unsigned long request, void* argument) {
+[[maybe_unused]] int answer(unsigned long request, void* argument) {
   const auto size = static_cast<std::size_t>(_IOC_SIZE(request));
   const auto number = static_cast<unsigned>(_IOC_NR(request));
   if (number == _IOC_NR(EVIOCGNAME(0))) {
