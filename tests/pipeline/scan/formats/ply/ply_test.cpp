@@ -49,7 +49,7 @@ TEST(PlyReader, RefusesABodyThatIsNotAsItsHeaderSays) {
   }
   EXPECT_THAT(wrong("ascii", bytes), HasSubstr("what follows it is binary"));
   EXPECT_EQ(wrong("ascii", text), "");
-  EXPECT_THAT(wrong("ascii", "0 0.5 x\n1 2 3\n"), HasSubstr("is not a number"));
+  EXPECT_THAT(wrong("ascii", "0 0.5 x\n1 2 3\n4 5 6\n"), HasSubstr("is not a number"));
 }
 
 TEST(PlyReader, SaysThatColoursOfFacesAreNotUsed) {
