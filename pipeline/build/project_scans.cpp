@@ -75,6 +75,8 @@ double scale_of(const Eigen::Matrix4d& scan_to_grid) {
 // Bytes per point that bytes_in_memory() allows for its projection.
 constexpr std::uint64_t kWindowBytes = 56;
 
+constexpr std::uint64_t kDiscBytes = 112;  // of a whole object, whatever its front view takes
+
 // Of a tile that is kept: a build that is ended loses no more than it takes to measure as many.
 constexpr std::uint64_t kTilePoints = 4'000'000;
 
@@ -122,7 +124,7 @@ class Builder {
       if (thins()) {
         build_thinned(scans);
       } else {
-        build_out_of_core(scans);
+        build_out_of_core(scans, needed.bytes);
       }
     }
     count_unread(scans.unread());
@@ -176,6 +178,40 @@ class Builder {
                           config_.grid.intensity && scans.has_intensity(), lattice);
   }
 
+  /// Of points that are built in memory only, which need so many `bytes`, with or without those of the grid.
+  [[nodiscard]] Error refusal_in_memory(std::uint64_t points, std::uint64_t bytes, bool with_grid) const {
+    const std::string block = around() ? "around" : "unroll";
+    return Error(
+        ErrorKind::failure, {},
+        fmt::format("{}: {} points need about {} MB {} the grid in memory, more than the limit, and {} is built "
+                    "in memory only",
+                    block, points, bytes / 1'000'000U + 1, with_grid ? "with" : "and",
+                    around() ? "a whole object" : "an unrolled one"),
+        "a higher --memory, a voxel filter, or no block '" + block + "'");
+  }
+
+  [[nodiscard]] std::uint64_t more_than_windows(std::uint64_t bytes_per_point) const {
+    return std::max(bytes_per_point, around() ? kDiscBytes : kWindowBytes) - kWindowBytes;
+  }
+
+  /// Of a whole object, beside those of its front view.
+  [[nodiscard]] std::uint64_t chart_bytes(const Cloud& cloud, const scene::Lattice& lattice) const {
+    if (!around() || limit_.bytes == 0) return 0;
+    const double spacing_m = lattice.spacing_m;
+    const bool mesh = !cloud.faces.empty();
+    const double per_place_m = kOfSpacing * spacing_m / scale();
+    const double places = mesh ? area_of_faces(cloud) / (per_place_m * per_place_m) : static_cast<double>(cloud.size());
+    std::vector<double> depth_m;
+    for (const Eigen::Vector3d& p : sample_of_kept(cloud).points())
+      depth_m.push_back((scan_to_grid_ * p.homogeneous()).z());
+    std::sort(depth_m.begin(), depth_m.end());
+    // A few points far before or behind are no part of the object.
+    const std::size_t few = depth_m.size() / 200;
+    const double deep_m = depth_m.empty() ? 0.0 : depth_m[depth_m.size() - 1 - few] - depth_m[few];
+    const double nz = deep_m / spacing_m + 1.0, nx = lattice.nx, ny = lattice.ny;
+    return bytes_of_charts(places, 2.0 * (nx * ny + nx * nz + ny * nz), mesh);
+  }
+
   void build_in_memory(ScanSet& scans) {
     auto cloud = std::make_shared<Cloud>(scans.load(scans.origin_m(), progress_));
     if (cloud->size() == 0) throw no_points(config_);
@@ -184,8 +220,9 @@ class Builder {
     points.invalid = cloud->invalid;
     build_cloud(cloud, filters_, points, {}, [&](const scene::Lattice& lattice, std::uint64_t bytes_per_point) {
       std::uint64_t needed = bytes_in_memory(amount_of(scans), filters_) + node_bytes(scans, lattice);
+      needed += chart_bytes(*cloud, lattice);
       // What is counted for a point is enough for windows; discs take more.
-      needed += (std::max(bytes_per_point, kWindowBytes) - kWindowBytes) * scans.points();
+      needed += more_than_windows(bytes_per_point) * scans.points();
       // Of a mesh as many places may be sampled as there are nodes.
       const std::uint64_t places = scans.points() + (scans.faces() > 0 ? lattice.count() : 0U);
       if (checks()) needed += bytes_of_sample(*config_.check, places, lattice);
@@ -398,6 +435,12 @@ class Builder {
     build_cloud(cloud, rest, points, std::move(steps),
                 [&](const scene::Lattice& lattice, std::uint64_t bytes_per_point) {
                   const std::uint64_t nodes = node_bytes(scans, lattice);
+                  if (const std::uint64_t charts = chart_bytes(*cloud, lattice); charts > 0) {
+                    const ScanAmount left{cloud->size(), 0, amount_of(scans).attributes};
+                    const std::uint64_t needed =
+                        bytes_in_memory(left, {}) + nodes + charts + more_than_windows(bytes_per_point) * left.points;
+                    if (needed > limit_.bytes) throw refusal_in_memory(left.points, needed, true);
+                  }
                   put_nodes_on_disk_unless_they_fit(nodes, bytes_per_point, 0, lattice);
                   if (!limit_.nodes_on_disk) require_room(lattice, nodes);
                   (void)points_of_a_tile({limit_.bytes, 0, limit_.nodes_on_disk}, nodes, bytes_per_point, 0, lattice);
@@ -417,13 +460,13 @@ class Builder {
                         grid->bytes_per_point, grid->lattice);
   }
 
-  void build_out_of_core(ScanSet& scans) {
+  /// `needed` in memory with the grid, bytes; 0 where that is not known.
+  void build_out_of_core(ScanSet& scans, std::uint64_t needed) {
     if (around() || unrolls()) {
-      const std::string block = around() ? "around" : "unroll";
-      throw Error(ErrorKind::failure, {},
-                  fmt::format("{}: {} points do not fit the memory limit, and {} is built in memory only", block,
-                              scans.points(), around() ? "a whole object" : "an unrolled one"),
-                  "a higher --memory, a voxel filter, or no block '" + block + "'");
+      std::uint64_t least = needed;
+      if (least == 0) least = bytes_in_memory(amount_of(scans), filters_);
+      if (needed == 0 && around()) least += bytes_of_charts(static_cast<double>(scans.points()), 0.0, false);
+      throw refusal_in_memory(scans.points(), least, needed > 0);
     }
     require_room_by_sample(scans);
     progress_.begin("points to disk");

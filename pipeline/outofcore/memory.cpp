@@ -34,6 +34,13 @@ constexpr double kNodeError = 12.0;
 constexpr std::uint64_t kSampledPoint = 48;
 constexpr std::uint64_t kSampledNode = 32;
 
+// Bytes of a place on a whole object's surface while its sides are told apart, more than points have anyway; of one
+// that votes on the sides; and of a node of its box, whose layers become sheets.
+constexpr double kChartPlace = 40.0;
+constexpr double kSampledPlace = 120.0;
+constexpr double kVote = 300.0, kMostVotes = 400e3;
+constexpr double kBoxNode = 40.0;
+
 // Bytes of a bin's start, which a tile has in memory, and of the points' bytes the part that they may take as well.
 constexpr std::uint64_t kBin = 4;
 constexpr std::uint64_t kOfTile = 5;
@@ -149,6 +156,13 @@ std::uint64_t bytes_of_nodes(const scene::Config& config, bool grid_only, bool c
     most = std::max(most, kAllLevels * held + errors + kPictures);
   }
   return static_cast<std::uint64_t>(most * static_cast<double>(lattice.count()));
+}
+
+std::uint64_t bytes_of_charts(double places, double box_nodes, bool mesh) {
+  constexpr double kMost = 9e18;
+  const double a_place = kChartPlace + (mesh ? kSampledPlace : 0.0);
+  return static_cast<std::uint64_t>(
+      std::min(kMost, a_place * places + kVote * std::min(places, kMostVotes) + kBoxNode * box_nodes));
 }
 
 std::uint64_t bytes_of_sample(const scene::CheckConfig& check, std::uint64_t points, const scene::Lattice& lattice) {

@@ -53,6 +53,11 @@ struct ScanAmount {
 [[nodiscard]] std::uint64_t bytes_of_nodes(const scene::Config& config, bool grid_only, bool colour, bool intensity,
                                            const scene::Lattice& lattice);
 
+/// The most that charts of a whole object take beside the nodes and what bytes_in_memory() counts for points, bytes.
+/// `places`: points on the surface; `box_nodes`: nodes of the six sides of its box together. A mesh has so many places
+/// that no point is counted for.
+[[nodiscard]] std::uint64_t bytes_of_charts(double places, double box_nodes, bool mesh);
+
 /// The most that the sample of a cross-check needs at once, bytes. `points`: at most so many are counted.
 [[nodiscard]] std::uint64_t bytes_of_sample(const scene::CheckConfig& check, std::uint64_t points,
                                             const scene::Lattice& lattice);

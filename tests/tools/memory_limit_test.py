@@ -178,6 +178,32 @@ def grids_on_disk(folder, limit_mb):
     return failures
 
 
+def whole_objects(folder):
+    """What is wrong with an object that is touched from all sides: six sides of nodes, and points told apart by side."""
+    failures = []
+    for size in (100, 500):
+        with open(os.path.join(folder, "whole.yaml"), "w") as config:
+            config.write(f"scans: [{{file: ball.ply, units: m}}]\ngrid: {{size: {size}}}\naround: {{}}\n"
+                         "check: {samples: 20000}\n")
+
+        def build(limit_mb):
+            code, peak, text = peak_of(["build", "whole.yaml", "--out", "whole", "--force", "--memory",
+                                        f"{limit_mb}MB"], folder)
+            if peak > 1.05e6 * limit_mb:
+                failures.append(f"whole ball, {size} nodes, limit {limit_mb} MB: exit {code}, peak {peak / 1e6:.0f} MB")
+            return code, text
+
+        code, text = build(110)
+        needed = re.findall(r"need(?:s)? about (\d+) MB", text)
+        if code != 1 or not needed:
+            failures.append(f"whole ball, {size} nodes, limit 110 MB: exit {code}, {text}")
+            continue
+        code, text = build(int(needed[-1]))
+        if code != 0:
+            failures.append(f"whole ball, {size} nodes: {needed[-1]} MB were said to be enough; {text}")
+    return failures
+
+
 def main():
     # Nightly five million faces, whose files are no small part of the memory.
     failures = large_meshes(1582 if "SPARSHA_NIGHTLY" in os.environ else 900)
@@ -198,6 +224,7 @@ def main():
             return code, text
 
         failures += grids_on_disk(folder, 115)
+        failures += whole_objects(folder)
 
         # The points about a node of a closed object do not fit: said before they go to disk.
         code, text = build("ball.ply", 6, 76)
