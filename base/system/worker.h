@@ -65,7 +65,8 @@ class Worker {
 };
 
 /// Words from one process to another. Written by one thread, read by one; a writer that is killed in the middle leaves
-/// the mail of before. Orders stand in the words' own stores and loads, as in Seqlock: thread sanitizers know no fences.
+/// the mail of before. Orders stand in the words' own stores and loads, as in Seqlock: thread sanitizers know no
+/// fences.
 template <std::size_t N>
 class SharedMail {
  public:

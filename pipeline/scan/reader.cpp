@@ -136,4 +136,9 @@ bool is_z_up(const std::string& name) {
                      [&](const Format& format) { return format.z_up && name.starts_with(format.name); });
 }
 
+bool is_y_up(const std::string& name) {
+  return std::any_of(formats().begin(), formats().end(),
+                     [&](const Format& format) { return format.y_up && name.starts_with(format.name); });
+}
+
 }  // namespace sparsha::pipeline

@@ -97,6 +97,8 @@ struct RawScan {
 
 /// Of a RawScan's format: whether z is up by its custom, else y.
 [[nodiscard]] bool is_z_up(const std::string& format);
+/// Whether y is up by its specification.
+[[nodiscard]] bool is_y_up(const std::string& format);
 
 /// Reads any supported file, told by content first and ending second. Throws Error{input} with file, line where there
 /// is one, and what was expected; Cancelled when `progress` is cancelled. A

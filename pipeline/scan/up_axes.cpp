@@ -4,20 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "pipeline/scan/formats/formats.h"
 #include "pipeline/scan/named_file.h"
 #include "pipeline/scan/reader.h"
 
 namespace sparsha::pipeline {
-namespace {
-
-bool is_y_up(const std::string& name) {
-  return std::any_of(formats().begin(), formats().end(),
-                     [&](const Format& format) { return format.y_up && name.starts_with(format.name); });
-}
-
-}  // namespace
-
 std::optional<UpDifference> differing_up(const std::vector<ScanUp>& scans) {
   std::vector<std::string> with_z;
   std::vector<std::string> with_y;

@@ -9,7 +9,7 @@
 
 #include "pipeline/scan/formats/obj/materials.h"
 #include "pipeline/scan/formats/obj/statements.h"
-#include "pipeline/scan/remark_unit.h"
+#include "pipeline/scan/formats/remark_unit.h"
 #include "pipeline/scan/scalar.h"
 #include "pipeline/scan/text.h"
 

@@ -4,7 +4,7 @@
 
 #include "base/text/lower_case.h"
 #include "pipeline/scan/formats/ply/ply.h"
-#include "pipeline/scan/remark_unit.h"
+#include "pipeline/scan/formats/remark_unit.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline::ply {

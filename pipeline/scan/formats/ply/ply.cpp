@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "base/text/lower_case.h"
-#include "pipeline/scan/remark_unit.h"
+#include "pipeline/scan/formats/remark_unit.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <utility>
 
+#include "pipeline/scan/formats/remark_unit.h"
 #include "pipeline/scan/formats/text/row_style.h"
 #include "pipeline/scan/look_alikes.h"
-#include "pipeline/scan/remark_unit.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {

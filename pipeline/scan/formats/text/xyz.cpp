@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "pipeline/scan/formats/colmap.h"
+#include "pipeline/scan/formats/remark_unit.h"
 #include "pipeline/scan/formats/text/columns.h"
 #include "pipeline/scan/formats/text/first_column.h"
 #include "pipeline/scan/formats/text/first_lines.h"
@@ -18,7 +19,6 @@
 #include "pipeline/scan/formats/text/rows.h"
 #include "pipeline/scan/formats/text/triangle_rows.h"
 #include "pipeline/scan/look_alikes.h"
-#include "pipeline/scan/remark_unit.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {

@@ -1,4 +1,4 @@
-#include "pipeline/scan/remark_unit.h"
+#include "pipeline/scan/formats/remark_unit.h"
 
 #include <algorithm>
 #include <optional>
