@@ -18,7 +18,7 @@ namespace sparsha::pipeline {
                                                 std::uint32_t a = 255) {
   return r | g << 8 | b << 16 | a << 24;
 }
-/// A warning: a grid has colours of points.
+/// A warning that faces' colours are not read: only points have colours.
 [[nodiscard]] std::string unused_face_colours(std::uint64_t faces);
 inline constexpr std::uint32_t kWhite = 0xFFFFFFFFu;
 

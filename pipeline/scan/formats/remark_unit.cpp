@@ -21,27 +21,40 @@ std::string_view without_signs(std::string_view word) {
   return word.substr(begin, word.find_last_not_of(kSigns) + 1 - begin);
 }
 
+/// Whether the words before "unit" may speak of the coordinates: "# File units", "// all units". An accuracy, a pixel
+/// or a sensor has units of its own.
+bool speak_of_coordinates(std::string_view before) {
+  constexpr std::string_view kWords =
+      " file length linear coordinate coordinates all map model xyz the global scene mesh point points data comment "
+      "obj_info ";
+  for (std::string_view word = take_word(before); !word.empty(); word = take_word(before)) {
+    const std::string_view letters = without_signs(word);
+    if (!letters.empty() && !is_one_of(letters, kWords)) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::string unit_in_remark(std::string_view remark) {
   const std::string lower = lower_case(remark.substr(0, kLongest));
   const std::string_view text = lower;
-  for (std::size_t at = text.find("unit"); at != std::string_view::npos; at = text.find("unit", at + 4)) {
-    if (at > 0 && is_letter(text[at - 1])) continue;
-    std::size_t behind = at + 4;
-    if (behind < text.size() && text[behind] == 's') ++behind;
-    if (behind < text.size() && is_letter(text[behind])) continue;
-    std::string_view rest = text.substr(behind);
-    const std::size_t sign = rest.find_first_not_of(" \t");
-    if (sign == std::string_view::npos) continue;
-    const bool told = rest[sign] == '=' || rest[sign] == ':';
-    rest.remove_prefix(told ? sign + 1 : sign);
-    std::string_view word = without_signs(take_word(rest));
-    while (is_one_of(word, " are is in ") && !without_signs(rest).empty()) word = without_signs(take_word(rest));
-    if (word.empty() || (!told && !without_signs(rest).empty())) continue;
-    return std::string(word);
-  }
-  return {};
+  const std::size_t at = text.find("unit");
+  if (at == std::string_view::npos || (at > 0 && is_letter(text[at - 1]))) return {};
+  if (!speak_of_coordinates(text.substr(0, at))) return {};
+  std::size_t behind = at + 4;
+  if (behind < text.size() && text[behind] == 's') ++behind;
+  std::string_view rest = text.substr(behind);
+  if (rest.empty() || std::string_view(" \t=:").find(rest.front()) == std::string_view::npos) return {};
+  const std::size_t sign = rest.find_first_not_of(" \t");
+  if (sign == std::string_view::npos) return {};
+  const bool told = rest[sign] == '=' || rest[sign] == ':';
+  rest.remove_prefix(told ? sign + 1 : sign);
+  std::string_view word = without_signs(take_word(rest));
+  while (is_one_of(word, " are is in ") && !without_signs(rest).empty()) word = without_signs(take_word(rest));
+  // Behind a sign a remark may go on; without one the unit is its last word. "units in" says nothing.
+  if (word.empty() || word == "in" || (!told && !without_signs(rest).empty())) return {};
+  return std::string(word);
 }
 
 bool gives_unit(std::string_view remark) {

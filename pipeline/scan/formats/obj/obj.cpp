@@ -72,7 +72,7 @@ class Reader {
     Statements statements(file_.bytes);
     std::string_view statement;
     double largest = 0.0, largest_behind_weight = 0.0;
-    Range fourth, seventh;
+    Range fourth, fifth, sixth, seventh;
     for (int seen = 0; seen < 1000 && statements.next(statement);) {
       if (!is_vertex(statement)) continue;
       ++seen;
@@ -83,10 +83,14 @@ class Reader {
       fourth.add(values_[3]);
       if (count < 7) continue;
       for (std::size_t k = 4; k < 7; ++k) largest_behind_weight = std::max(largest_behind_weight, values_[k]);
+      fifth.add(values_[4]);
+      sixth.add(values_[5]);
       seventh.add(values_[6]);
     }
-    // Of seven numbers the fourth is a weight where it is always 1 and the last, as an opacity, would vary.
-    if (fourth.is_always(1.0) && seventh.most > seventh.least) {
+    // Of seven numbers the fourth is a weight where it is always 1 and the last, as an opacity, would vary; white or
+    // red vertices of some opacity have others that do not.
+    const bool vary = fifth.most > fifth.least && sixth.most > sixth.least && seventh.most > seventh.least;
+    if (fourth.is_always(1.0) && vary) {
       first_colour_ = 4;
       largest = largest_behind_weight;
     }
@@ -211,6 +215,7 @@ class Reader {
     constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
     std::string_view rest = statement.substr(1);
     corners_.clear();
+    int zeros = 0;
     for (std::string_view word = take_word(rest); !word.empty() && word[0] != '#'; word = take_word(rest)) {
       std::int64_t index = 0;
       const char* const stop = parse_integer(word.data(), word.data() + word.size(), index);
@@ -220,13 +225,14 @@ class Reader {
       if (corners_.size() == ScanWriter::kMostCorners) {
         throw file_.error_at(line, "a face of more than " + std::to_string(corners_.size()) + " corners", "fewer");
       }
-      zeros_ += index == 0 ? 1 : 0;
+      zeros += index == 0 ? 1 : 0;
       highest_ = std::max(highest_, index);
       counts_back_ = counts_back_ || index < 0;
       // Negative numbers count back from the last vertex so far.
       const std::int64_t number = index < 0 ? static_cast<std::int64_t>(vertices_) + index : index - 1;
       corners_.push_back(index == 0 || number < 0 || number >= kNone ? kNone : static_cast<std::uint32_t>(number));
     }
+    zeros_ += zeros == 1 ? 1 : 0;  // a face of nothing but zeros holds a place
     out_.add_polygon(corners_);
   }
 

@@ -22,9 +22,21 @@ TextShare text_share(std::string_view body) {
   return {count == head.size(), 2 * count >= head.size()};
 }
 
+/// Whether binary records without lists are just so long.
+bool has_size_of(const ply::Header& header, std::size_t body) {
+  std::uint64_t bytes = 0;
+  for (const ply::Element& element : header.elements) {
+    const std::uint64_t size = element.least_size(false);
+    if (element.has_lists() || (size > 0 && element.count > body / size)) return false;
+    bytes += element.count * size;
+  }
+  return bytes == body;
+}
+
 /// A header that says text before bytes, or bytes before text: else nonsense is read, or said of a line.
 void require_encoding(const ScanFile& file, const ply::Header& header) {
-  const std::string_view body = file.bytes.substr(header.body);
+  std::string_view body = file.bytes.substr(header.body);
+  while (header.encoding == ply::Encoding::ascii && !body.empty() && body.back() == '\0') body.remove_suffix(1);
   const TextShare text = text_share(body);
   if (header.encoding == ply::Encoding::ascii) {
     if (!looks_binary(body) || text.half) return;
@@ -33,7 +45,7 @@ void require_encoding(const ScanFile& file, const ply::Header& header) {
   }
   const bool numbers = body.find_first_of("0123456789") != std::string_view::npos &&
                        body.find_first_of(" \t\r\n") != std::string_view::npos;
-  if (!text.all || !numbers) return;
+  if (!text.all || !numbers || has_size_of(header, body.size())) return;
   throw file.error("the PLY header says that the file is binary, but what follows it are numbers in text",
                    "'format ascii 1.0' in the header");
 }
@@ -229,7 +241,7 @@ void read_ply(const ScanFile& file, ScanWriter& out) {
     faces += element.count;
     if (element.find({"red", "diffuse_red", "r"}) >= 0) coloured += element.count;
   }
-  if (coloured > 0) scan.warnings.push_back(unused_face_colours(coloured));
+  if (coloured > 0 && !columns.has_colour()) scan.warnings.push_back(unused_face_colours(coloured));
   out.expect_mesh(vertex->count, faces);
   const Paint paint = ply::paint_of(file, header, out);
   if (paint.any() && !columns.has_colour()) scan.fields.insert(scan.fields.end(), {"red", "green", "blue"});

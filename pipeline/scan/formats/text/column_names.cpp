@@ -20,7 +20,7 @@ constexpr std::string_view kHeight =
     " elevation elev height altitude alt h h\xC3\xB6he h\xC3\x96he h\xF6he h\xD6he hoehe hohe hauteur quota cota cote "
     "kote altezza altura hoogte hojd h\xC3\xB6jd rl reducedlevel elevaci\xC3\xB3n elevacion elevazione "
     "ellipsoidalheight "
-    "ellipsoidheight orthometricheight orthoheight up u level ortho zort orto hgt quotaslm ";
+    "ellipsoidheight orthometricheight orthoheight ortho zort orto hgt quotaslm ";
 constexpr std::string_view kLongitude = " longitude lon long lng longitud longitudine ";
 constexpr std::string_view kLatitude = " latitude lat latitud latitudine ";
 /// Words that are no others': "est" may be "estimated", "long" a length.
@@ -29,13 +29,13 @@ constexpr std::string_view kSurelyNorth = " northing northings north hochwert no
 constexpr std::string_view kSurelyDegrees = " longitude lon lng longitud longitudine latitude latitud latitudine ";
 /// What is no length along an axis: angles and distances of polar coordinates.
 constexpr std::string_view kAngles =
-    " theta phi hz v ha va az azimuth azimut azi zenith zen vertical horizontal bearing inclination polar pan tilt yaw "
+    " theta phi hz v ha va az azimuth azimut azi zenith zen vertical horizontal bearing inclination polar pan tilt "
     "elevationangle winkel hzwinkel vwinkel ";
 /// Angles where a distance stands beside them, else other things: "elevation" is a height as well.
 constexpr std::string_view kAnglesBesideDistance =
-    " alpha beta gamma elevation elev el ele lambda pan tilt yaw pitch angle ang angle1 angle2 scanangle ";
+    " alpha beta gamma elevation elev el ele lambda yaw pitch angle ang angle1 angle2 scanangle ";
 constexpr std::string_view kPolarDistances =
-    " range rho distance dist sd slopedistance slopedist slantrange slantdistance radius depth ";
+    " range rho distance dist sd slopedistance slopedist slantrange slantdistance radius ";
 /// What is measured at a place and is no place.
 constexpr std::string_view kNoHeights =
     " intensity scalarintensity i reflectance reflectivity amplitude range distance time timestamp gpstime class "
@@ -54,8 +54,6 @@ constexpr std::string_view kVectorWords = " points point coordinates coord posit
 bool is_axis(std::string_view letters, char axis) {
   if (letters.empty()) return false;
   if (letters == std::string_view(&axis, 1) || letters == std::string{'p', axis}) return true;
-  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-  if (letters.size() == 2 && letters.front() == axis && is_digit(letters.back())) return true;  // of several sets
   if (letters.back() == axis && is_one_of(letters.substr(0, letters.size() - 1), kAxisWords)) return true;
   if (letters.front() == axis && is_one_of(letters.substr(1), kAxisWords)) return true;
   return letters.back() == static_cast<char>('0' + (axis - 'x')) &&
@@ -196,17 +194,44 @@ std::array<int, 3> turned(const Finder& finder, const std::array<int, 3>& axes) 
   return {axes[1], axes[0], axes[2]};
 }
 
+/// Where east and north stand beside each other and no height is known by its name, the column behind them, if its name
+/// may be that of one: "north, east, up". Else incomplete.
+std::array<int, 3> height_behind(const Finder& finder, const std::array<int, 3>& survey) {
+  const auto [east, north, none] = survey;
+  constexpr std::array<int, 3> kNone = {-1, -1, -1};
+  if (east < 0 || north < 0 || std::abs(east - north) != 1) return kNone;
+  const int behind = std::max(east, north) + 1;
+  constexpr std::string_view kUps = " up u level z ";
+  const auto is_height = [&](const std::string& form) {
+    return is_one_of(form, kUps) || form.starts_with("elev") || form.starts_with("height") ||
+           form.starts_with("hoehe") || form.starts_with("alt") || (form.size() > 1 && form.front() == 'z');
+  };
+  if (finder.find_if(is_height, behind) != behind || finder.find(" v ") >= 0) return kNone;
+  return {east, north, behind};
+}
+
+/// The first set of axes with a number from `from` on: x1, y1 and z1; incomplete without one.
+std::array<int, 3> numbered_axes(const Finder& finder, char from) {
+  for (char digit = from; digit <= '9'; ++digit) {
+    const auto column = [&](char axis) {
+      return finder.find_if([&](const std::string& form) { return form == std::string{axis, digit}; });
+    };
+    const std::array<int, 3> set = {column('x'), column('y'), column('z')};
+    if (all_found(set)) return set;
+  }
+  return {-1, -1, -1};
+}
+
 std::array<int, 3> coordinates(const Finder& finder) {
-  int height = finder.find(kHeight);
-  // An elevation beside an azimuth and a distance is an angle.
-  const bool polar = finder.find(kPolarDistances) >= 0 && finder.find_if(is_angle) >= 0;
-  if (height >= 0 && polar && finder.is(height, " elevation elev ")) height = -1;
+  const int height = finder.find(kHeight);
   const int z = finder.axis('z') >= 0 ? finder.axis('z') : height;
   const std::array<int, 3> axes = {finder.axis('x'), finder.axis('y'), z};
   if (all_found(axes) && finder.axis('z') >= 0) return turned(finder, axes);
   const std::array<int, 3> survey = {finder.find(kEast), finder.find(kNorth), z};
   if (all_found(survey)) return survey;
   if (all_found(axes)) return turned(finder, axes);
+  if (const std::array<int, 3> up = height_behind(finder, survey); all_found(up)) return up;
+  if (const std::array<int, 3> set = numbered_axes(finder, '0'); all_found(set)) return set;
   return {finder.find(kLongitude), finder.find(kLatitude), z};
 }
 
@@ -230,10 +255,17 @@ NamedColumns name_columns(const std::vector<std::string>& names, const std::vect
   const auto is_initial = [&](int column) { return finder.is(column, kInitials) && !finder.is(column, " x y z "); };
   named.by_initials = std::any_of(found.begin(), found.end(), is_initial);
   named.other_set = !finder.is(found[0], " x y ") && all_found(other_axes(finder, found));
+  const std::array<int, 3> numbered = numbered_axes(finder, '0');
+  if (found == numbered) {
+    const std::string& name = names[static_cast<std::size_t>(found[0])];
+    const char digit = letters_of(name).back();
+    named.other_set =
+        named.other_set || (digit < '9' && all_found(numbered_axes(finder, static_cast<char>(digit + 1))));
+  }
   named.repeated = std::any_of(found.begin(), found.end(), [&](int column) { return finder.is_repeated(column); });
-  const std::array<int, 3> colour = {finder.find("red r rf colorr colourr rgbr diffusered"),
-                                     finder.find("green g gf colorg colourg rgbg diffusegreen"),
-                                     finder.find("blue b bf colorb colourb rgbb diffuseblue")};
+  const std::array<int, 3> colour = {finder.find("red r rf colorr colourr rgbr diffusered r1"),
+                                     finder.find("green g gf colorg colourg rgbg diffusegreen g1"),
+                                     finder.find("blue b bf colorb colourb rgbb diffuseblue b1")};
   if (all_found(colour)) named.colour = colour;
   named.intensity = finder.find("intensity scalarintensity i reflectance reflectivity scalarreflectance");
   const std::array<int, 3> normal = {finder.find("nx normalx xnormal normals0 normal0"),
@@ -293,26 +325,23 @@ bool names_axis(std::string_view name) {
 
 std::string why_no_coordinates(const std::vector<std::string>& names, const std::vector<std::string>& units) {
   const Finder finder(names);
+  // Beside places, angles are something that was measured there.
+  const bool axes = finder.axis('x') >= 0 && finder.axis('y') >= 0;
+  const bool survey = finder.find(kEast) >= 0 && finder.find(kNorth) >= 0;
+  const bool place = axes || survey || (finder.find(kLongitude) >= 0 && finder.find(kLatitude) >= 0);
   std::string angles;
   std::size_t count = 0;
   const bool polar = finder.find(kPolarDistances) >= 0;
   for (std::size_t k = 0; k < names.size(); ++k) {
     const auto column = static_cast<int>(k);
-    const bool angle = finder.any(column, is_angle) || is_one_of(letters_of(units[k]), " deg rad gon grad ") ||
-                       (polar && finder.is(column, kAnglesBesideDistance));
+    const bool angle =
+        !place && (finder.any(column, is_angle) || is_one_of(letters_of(units[k]), " deg rad gon grad ") ||
+                   (polar && finder.is(column, kAnglesBesideDistance)));
     if (!angle) continue;
     angles += (angles.empty() ? "'" : ", '") + names[k] + "'";
     ++count;
   }
   if (count >= 2) return "angles " + angles + " in place of x, y and z";
-  const auto place = [&](std::string_view east, std::string_view north) -> std::string {
-    const int e = finder.find(east), n = finder.find(north);
-    if (e < 0 || n < 0 || e == n || finder.find(kHeight) >= 0 || finder.axis('z') >= 0) return {};
-    const auto name = [&](int column) { return "'" + names[static_cast<std::size_t>(column)] + "'"; };
-    return "an easting, " + name(e) + ", and a northing, " + name(n) + ", and no height that is known";
-  };
-  if (std::string why = place(kEast, kNorth); !why.empty()) return why;
-  if (std::string why = place(kLongitude, kLatitude); !why.empty()) return why;
   if (finder.axis('x') < 0 || finder.axis('y') < 0 || names.size() < 3) return {};
   for (std::size_t k = 0; k < 3; ++k) {
     if (finder.is(static_cast<int>(k), kNoHeights)) return "x and y and no z, but '" + names[k] + "'";

@@ -60,33 +60,42 @@ bool look_like_colours(const std::vector<TableRow>& sample, std::size_t usual, s
 }
 
 bool look_like_words(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first) {
-  return in_range(sample, usual, first, 0.0, 65535.0, true) && !in_range(sample, usual, first, 0.0, 1023.0, true);
+  constexpr double kMost = 65535.0, kTenBits = 1023.0;
+  if (!in_range(sample, usual, first, 0.0, kMost, true)) return false;
+  for (std::size_t k = first; k < first + 3; ++k) {
+    const auto is_more = [&](const TableRow& row) { return row.count == usual && row.values[k] > kTenBits; };
+    if (std::none_of(sample.begin(), sample.end(), is_more)) return false;
+  }
+  return true;
 }
 
 bool look_like_bytes_as_shares(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first) {
   if (!in_range(sample, usual, first, 0.0, 1.0, false)) return false;
   constexpr double kRounded = 0.01;  // of a step, beside what decimals leave
-  bool fractions = false;
+  constexpr std::size_t kFewest = 20;
+  std::bitset<256> seen;
   for (const TableRow& row : sample) {
     if (row.count != usual) continue;
     for (std::size_t k = first; k < first + 3; ++k) {
       const double steps = 255.0 * row.values[k];
       if (std::abs(steps - std::round(steps)) > kRounded) return false;
-      fractions = fractions || !is_whole(row.values[k]);
+      seen.set(static_cast<std::size_t>(std::lround(steps)));
     }
   }
-  return fractions;
+  return seen.count() >= kFewest;
 }
 
 bool is_constant(const std::vector<TableRow>& sample, std::size_t usual, std::size_t column) {
-  if (column >= usual) return false;
-  const double first = sample.front().values[column];
-  return std::all_of(sample.begin(), sample.end(),
-                     [&](const TableRow& row) { return row.count != usual || row.values[column] == first; });
+  const auto is_usual = [&](const TableRow& row) { return row.count == usual; };
+  const auto first = std::find_if(sample.begin(), sample.end(), is_usual);
+  if (column >= usual || first == sample.end()) return false;
+  const double value = first->values[column];
+  return std::all_of(first, sample.end(),
+                     [&](const TableRow& row) { return row.count != usual || row.values[column] == value; });
 }
 
 bool may_be_north_first(const std::vector<TableRow>& sample, std::size_t usual) {
-  constexpr double kLeastNorth = 1e6, kMostNorth = 1e7;  // UTM: eastings are 1.6e5 to 8.4e5 m
+  constexpr double kLeastNorth = 3.8e6, kMostNorth = 1e7;  // UTM beyond 34 degrees: eastings are 1.6e5 to 8.4e5 m
   constexpr double kLeastEast = 1.6e5, kMostEast = 8.4e5;
   if (usual < 3) return false;
   return std::all_of(sample.begin(), sample.end(), [&](const TableRow& row) {

@@ -21,7 +21,7 @@ namespace sparsha::pipeline {
 /// Three neighbouring columns that look like colours: whole numbers of a byte, or fractions of one.
 [[nodiscard]] bool look_like_colours(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first);
 
-/// Whether three columns hold whole numbers up to 65535, and some of them more than 10 bits do.
+/// Whether three columns hold whole numbers up to 65535, each of them with more than 10 bits.
 [[nodiscard]] bool look_like_words(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first);
 
 /// Whether three columns hold steps of 1/255 from 0 to 1.

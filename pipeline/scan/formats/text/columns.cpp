@@ -42,7 +42,7 @@ void doubt_first_three(TableColumns& columns, const std::vector<TableRow>& sampl
   const std::size_t usual = columns.usual;
   constexpr std::size_t kFewest = 16;
   if (sample.size() < kFewest || !are_rows_alike(sample, usual)) return;
-  if (usual >= 6 && look_like_normals(sample, usual, 0)) {
+  if (usual >= 6 && look_like_normals(sample, usual, 0) && !look_like_normals(sample, usual, 3)) {
     columns.warnings.emplace_back(
         "the first three columns are of length 1 in all rows, as normals are, and are taken as x, y and z; if the "
         "coordinates stand behind them, 'columns: [nx, ny, nz, x, y, z]' of the scan says so");
@@ -69,14 +69,19 @@ void guess_attributes(TableColumns& columns, const std::vector<TableRow>& sample
   } else if (usual >= 9 && look_like_normals(sample, usual, 3) && look_like_colours(sample, usual, 6)) {
     set_normals(columns, 3);
     set_colour(columns, 6);
-  } else if (either && is_constant(sample, usual, 3) && !is_constant(sample, usual, 6)) {
+  } else if (either && is_constant(sample, usual, 3) && !is_constant(sample, usual, 4) &&
+             !is_constant(sample, usual, 5) && !is_constant(sample, usual, 6)) {
     set_colour(columns, 4);
     set_intensity(columns, sample, 3);
+    columns.notes.emplace_back(
+        "without a header column 4, which never changes, is taken as the intensity and columns 5 to 7 as red, green "
+        "and "
+        "blue; if it is the other way round, 'columns: [x, y, z, red, green, blue, intensity]' of the scan says so");
   } else if (usual >= 6 && look_like_colours(sample, usual, 3)) {
     set_colour(columns, 3);
     if (usual == 7) set_intensity(columns, sample, 6);
     if (either && !is_constant(sample, usual, 6)) {
-      columns.warnings.emplace_back(
+      columns.notes.emplace_back(
           "without a header columns 4 to 6 are taken as red, green and blue and column 7 as the intensity; if it is "
           "the "
           "other way round, 'columns: [x, y, z, intensity, red, green, blue]' of the scan says so");
@@ -93,7 +98,6 @@ void guess_attributes(TableColumns& columns, const std::vector<TableRow>& sample
         "z, "
         "red, green, blue]' of the scan says that they are");
   }
-  doubt_first_three(columns, sample);
 }
 
 /// Names for columns that have none.
@@ -321,6 +325,7 @@ TableColumns columns_by_position(const std::vector<TableRow>& sample, bool pts) 
   TableColumns columns;
   columns.usual = usual_count(sample);
   guess_attributes(columns, sample, pts);
+  doubt_first_three(columns, sample);
   label_fields(columns);
   judge_values(columns, sample);
   return columns;

@@ -28,6 +28,7 @@ struct TableColumns {
   bool rows_vary = false;           ///< in length by their nature, behind the coordinates
   std::vector<std::string> fields;  ///< names, as far as known
   std::vector<std::string> warnings;
+  std::vector<std::string> notes;
   std::bitset<kMostColumns> numbers;  ///< columns in which half of the first rows or more have numbers
 
   [[nodiscard]] bool has_colour() const { return red >= 0; }

@@ -53,13 +53,15 @@ bool FirstColumn::is_number() const {
 
 // A number of the scan, a class: with it as x, all points would lie in a plane. It has three columns behind it.
 bool FirstColumn::is_constant() const {
-  return rows_ >= kFewest && any_next_ && !(x_.size() > 0.0) && y_.size() > 0.0 && z_.size() > 0.0;
+  return whole_ && rows_ >= kFewest && any_next_ && !(x_.size() > 0.0) && y_.size() > 0.0 && z_.size() > 0.0;
 }
 
 // Numbers of scans, rings or classes: few, before three columns of fractions.
 bool FirstColumn::is_group() const {
   constexpr double kMostGroups = 64.0;
   constexpr double kMostly = 0.9;
+  constexpr double kMostInOrder = 8.0;  // profiles in their order are more
+  if (falls_ == 0 && x_.size() >= kMostInOrder) return false;
   return whole_ && rows_ >= kFewestUnordered && x_.size() > 0.0 && x_.size() < kMostGroups &&
          static_cast<double>(fractions_) >= kMostly * static_cast<double>(rows_);
 }
@@ -88,14 +90,14 @@ bool FirstColumn::is_angle() const {
   return !picture && turn && static_cast<double>(even_ + falls_) >= kEven * steps;
 }
 
-std::string FirstColumn::doubt() const {
+std::string FirstColumn::doubt(bool more_behind_z) const {
   std::string what;
   if (is_number()) {
     what = fmt::format("holds whole numbers that {} ({:.0f} to {:.0f}), as points are numbered",
                        rising_ ? "rise from row to row" : "never repeat", x_.low, x_.high);
-  } else if (is_constant()) {
+  } else if (!more_behind_z && is_constant()) {
     what = fmt::format("holds {:.6g} in all rows, as scans are numbered, which makes a plane of all points", x_.low);
-  } else if (is_group()) {
+  } else if (!more_behind_z && is_group()) {
     what = fmt::format(
         "holds few whole numbers ({:.0f} to {:.0f}) and the three behind it fractions, as scans, rings "
         "and classes are numbered",

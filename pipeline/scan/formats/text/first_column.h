@@ -31,8 +31,9 @@ class FirstColumn {
     last_z_ = z;
   }
 
-  /// One sentence with the remedy; empty when x may well be x.
-  [[nodiscard]] std::string doubt() const;
+  /// One sentence with the remedy; empty when x may well be x. `more_behind_z`: colours or normals stand directly
+  /// behind.
+  [[nodiscard]] std::string doubt(bool more_behind_z) const;
 
  private:
   struct Range {

@@ -72,6 +72,17 @@ class Collector {
     }
   }
 
+  /// Of remarks that differ, none is taken.
+  void take_unit(std::string_view line, int number) {
+    if (!gives_unit(line)) return;
+    if (head_.unit_line == 0) {
+      head_.unit_remark = line;
+      head_.unit_line = number;
+    } else if (unit_named(unit_in_remark(line)) != unit_named(unit_in_remark(head_.unit_remark))) {
+      head_.unit_remark = {};
+    }
+  }
+
   void header_line(std::string_view line, int number, RowKind kind) {
     if (kind == RowKind::words && are_numbers_but_for_look_alikes(line)) {
       throw file_.error_at(number, in_quotes(line) + " is not a row of numbers",
@@ -89,14 +100,11 @@ class Collector {
       units = (header.line == head_.headers.back().line && add_units_row(line, header)) || units;
     }
     if (units) return;
-    if (head_.unit_line == 0 && gives_unit(line)) {
-      head_.unit_remark = line;
-      head_.unit_line = number;
-    }
     TableHeader header = parse_header(line);
     header.line = number;
     header.text = line;
     if (!header.columns.complete()) {
+      take_unit(line, number);
       if (header.names.size() >= 3 && !row_behind_word) {
         head_.names = header.names.size();
         head_.unused = std::move(header);

@@ -247,7 +247,9 @@ class Inspector {
     };
     const std::size_t first = run(0);
     if (first < kRows || first == rows.size() || rows.front().count < 3 || rows[first].count < 3) return;
-    if (run(first) - first >= kRows) rows.resize(first);
+    // Numbers of points in front of the first part alone would become x: that stays an error.
+    const std::vector<TableRow> part(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(first));
+    if (run(first) - first >= kRows && !counts_rows(part, 0)) rows.resize(first);
   }
 
   /// What has numbers in rows, but no coordinates in them.

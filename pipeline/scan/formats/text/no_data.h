@@ -25,9 +25,9 @@ class NoDataValues {
   [[nodiscard]] static bool is_listed(double z);
 
   static constexpr double kSmallest = 9999.0;
-  static constexpr std::array<double, 16> kValues = {-9999.0,  -99999.0, -999999.0, 9999.0,  99999.0, 999999.0,
-                                                     -32768.0, -32767.0, -9999.99,  -9999.9, 9999.99, 9999.9,
-                                                     10000.0,  -10000.0, 1e10,      -1e10};
+  static constexpr std::array<double, 14> kValues = {-9999.0,  -99999.0, -999999.0, 9999.0,   99999.0,
+                                                     999999.0, -32768.0, -32767.0,  -9999.99, -9999.9,
+                                                     9999.99,  9999.9,   1e10,      -1e10};
   std::array<std::uint64_t, kValues.size()> counts_{};
   std::array<bool, kValues.size()> found_{};
   double low_ = 0.0;

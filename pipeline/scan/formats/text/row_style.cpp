@@ -75,15 +75,23 @@ bool has_quoted_comma(std::string_view line) {
   return false;
 }
 
-/// A number in quotes with groups of thousands and a point, or several groups: "1,234.5".
+/// A number in quotes with groups of thousands and a point, or several groups, "1,234.5", in a row that has no three
+/// plain numbers beside it: an area may be written so.
 bool has_quoted_thousands(std::string_view line) {
-  for (std::size_t open = line.find('"'); open != std::string_view::npos; open = line.find('"', open + 1)) {
-    const std::size_t close = line.find('"', open + 1);
-    if (close == std::string_view::npos) break;
-    if (has_thousands(line.substr(open + 1, close - open - 1))) return true;
-    open = close;
+  int grouped = 0, plain = 0;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const bool quoted = begin < line.size() && line[begin] == '"';
+    const std::size_t close = quoted ? std::min(line.find('"', begin + 1), line.size()) : begin;
+    const std::size_t end = std::min(line.find_first_of(",;\t", close), line.size());
+    const std::string_view word = quoted ? line.substr(begin + 1, close - begin - 1) : line.substr(begin, end - begin);
+    double value = 0.0;
+    if (quoted && has_thousands(word))
+      ++grouped;
+    else if (!word.empty() && parse_number(word.data(), word.data() + word.size(), value) == word.data() + word.size())
+      ++plain;
+    begin = end + 1;
   }
-  return false;
+  return grouped > 0 && plain < 3;
 }
 
 /// Separators outside quotes.

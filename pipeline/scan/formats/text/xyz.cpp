@@ -85,6 +85,7 @@ class Reader {
     scan.fields = columns().fields;
     if (layout_.empty) scan.fields = {"x", "y", "z"};
     scan.warnings = columns().warnings;
+    scan.notes.insert(scan.notes.end(), columns().notes.begin(), columns().notes.end());
     if (columns().track >= 0) scan.notes.emplace_back(kColmapNote);
     scan.degrees = columns().degrees;
     scan.unit = layout_.unit;
@@ -289,7 +290,8 @@ class Reader {
   /// What a reader of the result should know.
   void tell() {
     RawScan& scan = out_.scan();
-    for (const std::string& doubt : {first_column_.doubt(), triangle_rows_.doubt()}) {
+    for (const std::string& doubt :
+         {first_column_.doubt(columns().red == 3 || columns().nx == 3), triangle_rows_.doubt()}) {
       if (!doubt.empty()) scan.warnings.push_back(doubt);
     }
     if (longer_ > 0 && !columns().rows_vary) {

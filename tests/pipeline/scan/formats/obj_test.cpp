@@ -125,6 +125,16 @@ TEST(ObjReader, ElementsThatAreNoFacesAreSaid) {
   EXPECT_THAT(edges.notes, ElementsAre(HasSubstr("lines ('l', 1)")));
 }
 
+TEST(ObjReader, AFaceThatHoldsAPlaceMovesNoOthersAndOpaqueWhiteStaysWhite) {
+  const ScanFolder folder;
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 9 9 9\n";
+  const RawScan scan = folder.read("p.obj", vertices + "f 0 0 0\nf 1 2 3\nf 2 4 3\n");
+  ASSERT_EQ(scan.faces.size(), 2U);
+  EXPECT_EQ(scan.faces[0], (std::array<std::uint32_t, 3>{0, 1, 2}));
+  const RawScan white = folder.read("w.obj", "v 0 0 0 1 1 1 0.5\nv 1 0 0 1 1 1 0.25\nv 0 1 0 1 1 1 1\nf 1 2 3\n");
+  EXPECT_EQ(white.rgba.at(0) & 0xFFFFFFU, 0xFFFFFFU);
+}
+
 TEST(ObjReader, TheUnitOfARemarkIsTakenOrSaid) {
   const ScanFolder folder;
   const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";

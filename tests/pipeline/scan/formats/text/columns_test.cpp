@@ -16,11 +16,13 @@ namespace sparsha::pipeline {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
 using testing::expect_refused;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 using testing::ScanFolder;
 
 TEST(TextTable, SaysWhatToldItsColumns) {
@@ -446,6 +448,24 @@ TEST(TextTable, NumbersOfScansAndRingsInFrontOfCoordinatesAreDoubted) {
   EXPECT_THAT(read(profiles).warnings, IsEmpty());
 }
 
+TEST(TextTable, ProfilesConstantXSpheresAndHallsAreNotDoubted) {
+  std::string stage, constant, sphere, grid, hall;
+  for (int k = 0; k < 600; ++k) {
+    const double a = 0.0713 * k, b = 0.0291 * k, y = 0.0101 * (k % 30) + 0.0003, z = 0.1003 * std::sin(0.1 * k) + 0.2;
+    stage += fmt::format("{} {:.5f} {:.5f} 0.5{}\n", k / 30, y, z, k % 9 + 1);
+    constant += fmt::format("12.345 {:.5f} {:.5f} 0.5{}\n", y, z, k % 9 + 1);
+    const Eigen::Vector3d n(std::cos(a) * std::cos(b), std::sin(a) * std::cos(b), std::sin(b));
+    sphere += fmt::format("{0:.6f} {1:.6f} {2:.6f} {0:.6f} {1:.6f} {2:.6f}\n", n.x(), n.y(), n.z());
+    grid += fmt::format("{:.1f} {:.1f} {:.1f} 1.{} 2.5 3.5\n", 0.2 * (k % 6), 0.2 * (k / 6 % 6), 0.2 * (k / 36 % 6), k);
+    hall += fmt::format("{} {} {}\n", 100.5 * (k % 30), 99.5 * (k / 30), k % 2 == 0 ? 10000 : 0);
+  }
+  for (const std::string& text : {stage, constant, sphere, grid}) {
+    EXPECT_THAT(read(text).warnings, Not(Contains(AnyOf(HasSubstr("first column"), HasSubstr("first three columns")))))
+        << text.substr(0, 60);
+  }
+  EXPECT_EQ(read(hall).points.size(), 600U) << "a ceiling at 10000 mm";
+}
+
 TEST(TextTable, NormalsColoursAndNorthInFrontAreDoubted) {
   const auto normal = [](int k) {
     const double a = 0.01 * k;
@@ -470,13 +490,15 @@ TEST(TextTable, ColoursBehindNormalsAreTakenAndThoseOfSixteenBitsAreSaid) {
   ASSERT_EQ(scan.rgba.size(), 600U);
   EXPECT_EQ(scan.rgba[7], 0xFF140A07U);
   EXPECT_TRUE(scan.normals.size() == 600U && scan.normals[7].isApprox(Eigen::Vector3f(0.6F, 0.0F, -0.8F)));
-  const auto words = [](int k) { return fmt::format(" {} 65535 20", 100 * k); };
+  const auto words = [](int k) { return fmt::format(" {} 65535 {}", 100 * k, 2000 + k); };
   EXPECT_THAT(read(table_of(kNothing, words)).warnings, Contains(HasSubstr("colours of 16 bits")));
   // An intensity that never changes is no red.
-  const auto constant = [](int k) { return fmt::format(" 128 {} 10 {}", k % 256, 20 + k % 3); };
+  const auto constant = [](int k) { return fmt::format(" 128 {} {} {}", k % 256, 10 + k % 2, 20 + k % 3); };
   const RawScan grey = read(table_of(kNothing, constant));
   ASSERT_EQ(grey.rgba.size(), 600U);
-  EXPECT_EQ(grey.rgba[7], 0xFF150A07U);
+  EXPECT_EQ(grey.rgba[7], 0xFF150B07U);
+  const auto white = [](int k) { return fmt::format(" 255 255 255 {}", k % 256); };
+  EXPECT_EQ(read(table_of(kNothing, white)).rgba.at(7), 0xFFFFFFFFU);
   EXPECT_EQ(grey.intensity.at(7), 128.0F);
 }
 
@@ -493,8 +515,15 @@ TEST(TextTable, TablesOfThreeAndSixValuesMayBeJoined) {
   }
 }
 
+TEST(TextTable, NumbersOfPointsBeforeTheFirstOfJoinedTablesAreNoCoordinates) {
+  std::string text;
+  for (int k = 1; k <= 25; ++k) text += fmt::format("{} {:.3f} {:.3f} 0.5\n", k, 0.013 * k, 0.017 * k);
+  for (int k = 0; k < 575; ++k) text += fmt::format("{:.3f} {:.3f} 0.7 10 20 30\n", 0.01 * (k % 30), 0.01 * (k / 30));
+  EXPECT_TRUE(testing::error_of_bytes("a.txt", text));
+}
+
 TEST(TextTable, HeightsOfNoDataWithDecimalsAreNoDepth) {
-  for (const char* none : {"-9999.99", "10000", "1e10"}) {
+  for (const char* none : {"-9999.99", "1e10"}) {
     std::string text = table_of(kNothing, kNothing);
     for (int k = 0; k < 5; ++k) text += fmt::format("0.0{} 0.1 {}\n", k, none);
     const RawScan scan = read(text);

@@ -140,8 +140,6 @@ TEST(XyzReader, AHeaderThatNamesAnglesOrNoHeightIsRefused) {
                                     {"pan,tilt,d", "angles 'pan', 'tilt'"},
                                     {"HA,VA,SD", "angles 'ha', 'va'"},
                                     {"azimuth_deg,sphericalElevationAngle,rho", "angles 'azimuth_deg'"},
-                                    {"x,y,azimuth,elevation,range", "angles 'azimuth', 'elevation'"},
-                                    {"North,East,Sigma", "an easting, 'east', and a northing, 'north', and no height"},
                                     {"x,y,intensity", "no z, but 'intensity'"},
                                     {"id,x,y,red,green", "no z, but 'id'"}}) {
     const auto error = error_of_bytes("a.csv", std::string(names) + "\n1,2,3\n4,5,6\n");
@@ -150,6 +148,16 @@ TEST(XyzReader, AHeaderThatNamesAnglesOrNoHeightIsRefused) {
     ASSERT_TRUE(again) << names;
     EXPECT_EQ(again->place().line, 1) << names;
     EXPECT_THAT(again->wrong(), HasSubstr(part));
+  }
+}
+
+TEST(XyzReader, AnglesDistancesAndIndicesBesidePlacesAreNoPlaces) {
+  const ScanFolder folder;
+  for (const char* names :
+       {"x,y,elevation,range,azimuth", "x,y,elevation,depth,v", "easting,northing,elevation,hz,v", "x,y,depth,u,v",
+        "x,y,value,level,a", "x,y,elevation,z0,a", "easting,northing,Z_AHD,x0,y0"}) {
+    const RawScan scan = folder.read("a.csv", std::string(names) + "\n1,2,3,4,5\n6,7,8,9,10\n");
+    EXPECT_THAT(scan.points, ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(6, 7, 8))) << names;
   }
 }
 
@@ -205,6 +213,16 @@ TEST(XyzReader, TheUnitOfARemarkAboveTheRowsIsTakenOrSaid) {
   EXPECT_EQ(folder.read("c.txt", "# Units: mm\nx[m] y[m] z[m]\n1 2 3\n4 5 6\n").unit, scene::LengthUnit::m)
       << "the names of the columns say it last";
   EXPECT_EQ(folder.read("d.txt", "# survey of unit mm-7 of the hall\n" + rows).unit, std::nullopt);
+  for (const char* other :
+       {"# Accuracy unit: mm", "# RMS error [unit: mm]", "# pixel size unit = mm", "# Sensor unit: FT",
+        "# object unit_mm", "# vertical units: m", "# units in", "# Wavelength unit: nm", "# trench B, unit IN",
+        "# Grid spacing unit: cm", "# units: mm\n# all units: m"}) {
+    const RawScan scan = folder.read("e.txt", other + ("\n" + rows));
+    EXPECT_EQ(scan.unit, std::nullopt) << other;
+    EXPECT_THAT(scan.warnings, IsEmpty()) << other;
+  }
+  EXPECT_EQ(folder.read("f.csv", "x,y,z,error (unit: mm)\n1,2,3,4\n4,5,6,7\n").unit, std::nullopt);
+  EXPECT_EQ(folder.read("g.txt", "# intensity units: um\n# units: m\n" + rows).unit, scene::LengthUnit::m);
 }
 
 TEST(XyzReader, ColoursThatAreNotReadOrMayBeOthersAreSaid) {
@@ -213,7 +231,8 @@ TEST(XyzReader, ColoursThatAreNotReadOrMayBeOthersAreSaid) {
   EXPECT_TRUE(packed.rgba.empty());
   EXPECT_THAT(packed.warnings, Contains(HasSubstr("in one column, 'rgb', and are not read")));
   const RawScan either = folder.read("b.asc", "1.5,2,3,195,0,254,255\n4,5.5,6,255,10,0,6\n4,6,6,7,8,0,9\n");
-  EXPECT_THAT(either.warnings, Contains(HasSubstr("columns 4 to 6 are taken as red, green and blue")));
+  EXPECT_THAT(either.notes, Contains(HasSubstr("columns 4 to 6 are taken as red, green and blue")));
+  EXPECT_THAT(either.warnings, IsEmpty());
   const RawScan clear = folder.read("c.asc", "1.5,2,3,195,0,254,2550\n4,5.5,6,255,10,0,6\n4,6,6,7,8,0,9\n");
   EXPECT_THAT(clear.warnings, IsEmpty());
 }
@@ -224,6 +243,12 @@ TEST(XyzReader, GroupsOfThousandsBetweenQuotesAreRefused) {
   ASSERT_TRUE(error);
   EXPECT_EQ(error->place().line, 2);
   EXPECT_THAT(error->what(), HasSubstr("separators of thousands"));
+}
+
+TEST(XyzReader, GroupsOfThousandsInAnotherColumnRefuseNothing) {
+  const ScanFolder folder;
+  EXPECT_THAT(folder.read("a.csv", "parcel,area,x,y,z\n7,\"1,234.5\",1,2,3\n8,\"2,345.5\",4,5,6\n").points,
+              ElementsAre(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(4, 5, 6)));
 }
 
 TEST(XyzReader, GroupsOfThousandsBetweenTabsAreRefused) {
