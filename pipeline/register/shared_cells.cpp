@@ -38,7 +38,7 @@ void scans_about(const ScansOfCells& cells, const Cell& middle, std::vector<std:
     }
   }
   std::ranges::sort(scans);
-  scans.erase(std::ranges::unique(scans).begin(), scans.end());
+  scans.erase(std::unique(scans.begin(), scans.end()), scans.end());
 }
 
 }  // namespace

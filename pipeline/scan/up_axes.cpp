@@ -8,6 +8,7 @@
 #include "pipeline/scan/reader.h"
 
 namespace sparsha::pipeline {
+
 std::optional<UpDifference> differing_up(const std::vector<ScanUp>& scans) {
   std::vector<std::string> with_z;
   std::vector<std::string> with_y;

@@ -129,7 +129,8 @@ void read_binary(const ScanFile& file, ScanWriter& out) {
   if (colours.count() > 0) out.scan().warnings.push_back(unused_face_colours(colours.count()));
 }
 
-/// What of the text begins with its first facet, "facet normal 0 0 1"; empty without one. Names of solids end there.
+/// What of the text begins with its first facet, "facet normal 0 0 1" or "facet outer loop"; empty without one. Names
+/// of solids end there.
 std::string_view from_facet(std::string_view text) {
   while (!text.empty()) {
     std::string_view rest = text;
@@ -139,9 +140,11 @@ std::string_view from_facet(std::string_view text) {
     if (lower_case(word) == "facet") {
       std::string_view behind = rest;
       double value = 0.0;
-      const bool normal = lower_case(take_word(behind)) == "normal";
+      const std::string first = lower_case(take_word(behind));
       const std::string_view number = take_word(behind);
-      if (normal && !number.empty() && parse_number(number.data(), number.data() + number.size(), value) != nullptr) {
+      if (first == "outer" && lower_case(number) == "loop") return begin;
+      if (first == "normal" && !number.empty() &&
+          parse_number(number.data(), number.data() + number.size(), value) != nullptr) {
         return begin;
       }
     }
@@ -181,7 +184,10 @@ class AsciiReader {
     if (word == "vertex") {
       vertex(rest);
     } else if (word == "facet") {
-      for (int k = 0; k < 4; ++k) (void)take_word(rest);  // normal x y z
+      std::string_view behind = rest;
+      if (lower_case(take_word(behind)) == "normal") {
+        for (int k = 0; k < 4; ++k) (void)take_word(rest);  // normal x y z
+      }
     } else if (word == "outer") {
       found_ = 0;
       in_loop_ = true;

@@ -75,16 +75,15 @@ void guess_attributes(TableColumns& columns, const std::vector<TableRow>& sample
     set_intensity(columns, sample, 3);
     columns.notes.emplace_back(
         "without a header column 4, which never changes, is taken as the intensity and columns 5 to 7 as red, green "
-        "and "
-        "blue; if it is the other way round, 'columns: [x, y, z, red, green, blue, intensity]' of the scan says so");
+        "and blue; if it is the other way round, 'columns: [x, y, z, red, green, blue, intensity]' of the scan says "
+        "so");
   } else if (usual >= 6 && look_like_colours(sample, usual, 3)) {
     set_colour(columns, 3);
     if (usual == 7) set_intensity(columns, sample, 6);
     if (either && !is_constant(sample, usual, 6)) {
       columns.notes.emplace_back(
           "without a header columns 4 to 6 are taken as red, green and blue and column 7 as the intensity; if it is "
-          "the "
-          "other way round, 'columns: [x, y, z, intensity, red, green, blue]' of the scan says so");
+          "the other way round, 'columns: [x, y, z, intensity, red, green, blue]' of the scan says so");
     }
     if (usual >= 9 && are_unit_vectors(sample, usual, 6)) set_normals(columns, 6);  // a measure may follow
   } else if (usual >= 7 && look_like_colours(sample, usual, 4)) {
@@ -95,8 +94,7 @@ void guess_attributes(TableColumns& columns, const std::vector<TableRow>& sample
   } else if (usual == 6 && look_like_words(sample, usual, 3)) {
     columns.warnings.emplace_back(
         "columns 4 to 6 hold whole numbers up to 65535, as colours of 16 bits are, and are not used; 'columns: [x, y, "
-        "z, "
-        "red, green, blue]' of the scan says that they are");
+        "z, red, green, blue]' of the scan says that they are");
   }
 }
 

@@ -274,9 +274,11 @@ class Inspector {
   void speak_of_header() {
     constexpr std::string_view kWithout = "without a header";
     if (head_.names < 3 && head_.headers.empty()) return;
-    for (std::string& warning : layout_.columns.warnings) {
-      if (warning.starts_with(kWithout))
-        warning.replace(0, kWithout.size(), "the header does not name x, y and z once each;");
+    for (std::vector<std::string>* said : {&layout_.columns.warnings, &layout_.columns.notes}) {
+      for (std::string& sentence : *said) {
+        if (sentence.starts_with(kWithout))
+          sentence.replace(0, kWithout.size(), "the header does not name x, y and z once each;");
+      }
     }
   }
 

@@ -8,6 +8,8 @@
 #include <optional>
 #include <random>
 
+#include <Eigen/Geometry>
+
 #include "haptics/device/falcon/falcon.h"
 #include "haptics/governor/look_meter.h"
 

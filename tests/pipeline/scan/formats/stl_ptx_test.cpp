@@ -119,6 +119,15 @@ TEST(StlReader, RefusesLies) {
 
 const std::string kUnit = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
 
+TEST(StlReader, AFacetNeedsNoNormal) {
+  const ScanFolder folder;
+  EXPECT_EQ(folder
+                .read("a.stl",
+                      "solid a facet outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet endsolid a\n")
+                .faces.size(),
+            1U);
+}
+
 TEST(PtxReader, AppliesEachScansMatrixToItsRowsOfPoints) {
   const ScanFolder folder;
   // A quarter turn about z, then a shift: the matrix multiplies row vectors from the right.
