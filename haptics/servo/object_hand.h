@@ -43,7 +43,7 @@ class ObjectHand {
 
   [[nodiscard]] AroundUpdate update(const ObjectSurface& object, const Eigen::Vector3d& hip_m,
                                     const SolverOptions& options) noexcept {
-    const AroundUpdate found = update_around(object, hip_m, state_, options);
+    AroundUpdate found = update_around(object, hip_m, state_, options);
     felt_m_ = found.position_m;
     return found;
   }

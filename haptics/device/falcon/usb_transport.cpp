@@ -380,7 +380,7 @@ std::unique_ptr<Transport> try_usb_transport(OpenProblem& problem) {
 }
 
 std::unique_ptr<Transport> open_usb_transport() {
-  const char* const kOthers = "or --device pointer or simulated";
+  constexpr const char* kOthers = "or --device pointer or simulated";
   OpenProblem problem{};
   std::unique_ptr<Transport> wire = try_usb_transport(problem);
   switch (problem) {
