@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "haptics/device/device.h"
 #include "haptics/effects/effect_forces.h"

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include "base/error.h"
 #include "pipeline/export/output.hpp"

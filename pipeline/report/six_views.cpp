@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace sparsha::pipeline {
 namespace {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <Eigen/LU>
 
 #include "base/text/text.h"
 #include "base/yaml/yaml.h"

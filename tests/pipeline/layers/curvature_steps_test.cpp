@@ -293,7 +293,7 @@ TEST(Texture, HasNoEdgeWhereTheFiltersWindowMeetsAStepOrAHole) {
         double open = 0, border = 0;
         for (int j = 12; j < kSide - 12; ++j)
           for (int i = 12; i < kSide - 13; ++i) {
-            const auto side = [&](int a, int b) { return inside(a * kSpacing_m, b * kSpacing_m); };
+            const auto side = [&inside = inside](int a, int b) { return inside(a * kSpacing_m, b * kSpacing_m); };
             if (side(i, j)) continue;
             // The nearest node of the other side, in the window's own measure: columns and rows.
             int nearest = 2 * reach;
