@@ -1,6 +1,7 @@
 // A server's end of a WebSocket (RFC 6455), written for this room alone.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -10,6 +11,7 @@
 
 namespace sparsha::emulator {
 
+/// One thread receives; others may send meanwhile, one at a time.
 class WebSocketPeer {
  public:
   enum class Got : std::uint8_t { text, nothing, closed };
@@ -34,7 +36,7 @@ class WebSocketPeer {
   std::unique_ptr<system::Stream> stream_;
   std::string bytes_;
   std::string message_;
-  bool gone_ = false;
+  std::atomic<bool> gone_{false};  ///< a thread that sends and one that receives both learn it
 };
 
 /// SHA-1 (RFC 3174), 20 bytes: the handshake asks for it.

@@ -61,7 +61,18 @@ Vector3d home_and_press(double t) {
   return {0.005, -0.003, z};
 }
 
-TEST(FalconUnderTheServo, AHandPressesAWallQuietlyAndFeelsTheStiffnessItShould) {
+struct Pressed {
+  double least_m = 1e9;  ///< of the hand's z over the last second
+  double most_m = -1e9;
+  double force_n = 0.0;  ///< mean over it
+  double stiffness_n_per_m = 0.0;
+  bool contact = true;
+  std::uint64_t unsafe_commands = 0;
+  double longest_tick_s = 0.0;  ///< by the machine's clock
+};
+
+Pressed press_a_wall() {
+  using Steady = std::chrono::steady_clock;
   auto emulator = std::make_shared<EmulatedFalcon>();
   auto grasp = std::make_shared<Grasp>(home_and_press);
   emulator->set_hand([grasp](double time_s, const Vector3d& force_n) { return (*grasp)(time_s, force_n); });
@@ -70,27 +81,47 @@ TEST(FalconUnderTheServo, AHandPressesAWallQuietlyAndFeelsTheStiffnessItShould) 
   options.stiffness_n_per_m = governed_stiffness(800.0, device->info().limits, 1e-3);
   HapticRenderer tick(device->info(), options, window_on(sparsha::test::flat_scene()));
 
-  double least_m = 1e9, most_m = -1e9, force_n = 0.0;
+  Pressed pressed;
+  pressed.stiffness_n_per_m = options.stiffness_n_per_m;
   constexpr int kTicks = 3500;
+  Steady::time_point before = Steady::now();
   for (int i = 0; i < kTicks; ++i) {
     device->wait(1e-3);
-    const DeviceSample sample = device->read(i * 1e-3, 1e-3);
+    DeviceSample sample = device->read(i * 1e-3, 1e-3);
+    sample.delay_s = 1e-3;  // the virtual wire's; the driver measures the machine's
     tick.update(sample, 1e-3);
     const State& state = tick.state();
     device->write({state.commanded_force_n[0], state.commanded_force_n[1], state.commanded_force_n[2]});
+    const Steady::time_point now = Steady::now();
+    pressed.longest_tick_s = std::max(pressed.longest_tick_s, std::chrono::duration<double>(now - before).count());
+    before = now;
     if (i < kTicks - 1000) continue;
-    EXPECT_EQ(state.contact, 1U);
-    least_m = std::min(least_m, sample.position_m.z());
-    most_m = std::max(most_m, sample.position_m.z());
-    force_n += state.commanded_force_n[2] / 1000.0;
+    pressed.contact = pressed.contact && state.contact == 1U;
+    pressed.least_m = std::min(pressed.least_m, sample.position_m.z());
+    pressed.most_m = std::max(pressed.most_m, sample.position_m.z());
+    pressed.force_n += state.commanded_force_n[2] / 1000.0;
   }
-  EXPECT_EQ(emulator->device->unsafe_commands(), 0U);
+  pressed.unsafe_commands = emulator->device->unsafe_commands();
+  return pressed;
+}
+
+TEST(FalconUnderTheServo, AHandPressesAWallQuietlyAndFeelsTheStiffnessItShould) {
+  // The driver looks at the machine's clock: a program that was stopped for 3.5 ms gives no force for a tick, rightly.
+  constexpr double kStopped_s = 0.003;
+  Pressed pressed = press_a_wall();
+  for (int more = 0; more < 50 && pressed.longest_tick_s > kStopped_s; ++more) {
+    EXPECT_EQ(pressed.unsafe_commands, 0U);
+    pressed = press_a_wall();
+  }
+  EXPECT_EQ(pressed.unsafe_commands, 0U);
+  EXPECT_TRUE(pressed.contact);
+  if (pressed.longest_tick_s > kStopped_s) GTEST_SKIP() << "other programs stopped each of 51 presses";
   // Two springs in a row: the hand's 300 N/m pulls to 10 mm depth, the wall's holds.
-  const double k = options.stiffness_n_per_m;
+  const double k = pressed.stiffness_n_per_m;
   const double expected_n = 0.010 * 300.0 * k / (300.0 + k);
-  EXPECT_NEAR(force_n, expected_n, 0.02 * expected_n);
+  EXPECT_NEAR(pressed.force_n, expected_n, 0.02 * expected_n);
   // At rest within three encoder steps (0.028 mm along the axis at z = 0.14).
-  EXPECT_LT(most_m - least_m, 3.0 * 28e-6);
+  EXPECT_LT(pressed.most_m - pressed.least_m, 3.0 * 28e-6);
 }
 
 /// Reads the wire with the emulator's codec and geometry, which share nothing with the driver.
