@@ -34,6 +34,7 @@ DeviceInfo FaultyDevice::info() const {
 }
 
 void FaultyDevice::inject(Fault fault) noexcept {
+  injections_.fetch_add(1);
   injected_ns_.store(now_ns());
   reads_.store(0);
   reads_with_force_.store(0);
@@ -44,6 +45,7 @@ void FaultyDevice::inject(Fault fault) noexcept {
   counted_.store(false);
   paused_.store(false);
   fault_.store(fault);
+  injections_.fetch_add(1);
 }
 
 void FaultyDevice::pause_once() noexcept {
@@ -61,6 +63,7 @@ void FaultyDevice::wait(double timeout_s) noexcept {
 }
 
 DeviceSample FaultyDevice::read(double time_s, double period_s) noexcept {
+  read_of_ = injections_.load();
   const Fault fault = fault_.load();
   static_cast<void>(inner_.read(time_s, period_s));
   if (!paced_ && fault != Fault::stuck) pause_once();
@@ -142,7 +145,9 @@ void FaultyDevice::write(const Eigen::Vector3d& force_n) noexcept {
   compare(size_n);
   held_z_n_.store(force_n.z());
   if (fault_.load() == Fault::stuck) pause_once();
-  if (size_n != 0.0 && reads_.load() > 0) reads_with_force_.fetch_add(1);
+  // The tick that was under way when the fault came had not seen it.
+  const bool saw_the_fault = read_of_ % 2 == 0 && read_of_ == injections_.load();
+  if (size_n != 0.0 && saw_the_fault && reads_.load() > 0) reads_with_force_.fetch_add(1);
   inner_.write(with_force_ ? force_n : Eigen::Vector3d::Zero());
 }
 

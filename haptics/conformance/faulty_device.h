@@ -94,6 +94,8 @@ class FaultyDevice final : public Device {
   std::atomic<double> force_n_{0.0};
   std::atomic<std::int64_t> injected_ns_{0};
   std::atomic<std::uint64_t> reads_{0}, reads_with_force_{0};
+  std::atomic<unsigned> injections_{0};  // twice their number; odd while one begins
+  unsigned read_of_ = 0;                 // injections_ when the last read began
   std::atomic<std::int64_t> last_force_ns_{0}, first_zero_ns_{-1};
   std::atomic<double> strongest_n_{0.0}, weakest_n_{0.0}, shaken_n_{0.0}, delivered_j_{0.0}, held_z_n_{0.0},
       square_m2_per_s_{0.0};
