@@ -1,6 +1,5 @@
 // The heap in large pages, and large arrays in files where a build asks for it. A build takes and frees arrays of
 // megabytes at every step; with small pages a quarter of its time was spent in page faults.
-#include <malloc.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -27,11 +26,8 @@ char* border_below(char* place) noexcept { return place - reinterpret_cast<std::
 /// Up to this border the heap lies in large pages; null before main().
 std::atomic<char*> advised_to{nullptr};
 
-/// Blocks of up to 32 MB come from the heap and go back to it, and 64 MB of it are kept for those to come.
 [[maybe_unused]] const bool kHeapIsKept = [] {
-  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  ::mallopt(M_TRIM_THRESHOLD, 64 << 20);
-  ::mallopt(M_TOP_PAD, 16 << 20);
+  sparsha::system::keep_heap();
   advised_to = border_below(heap_end()) + kLargePageBytes;
   sparsha::system::allow_disk_arrays();
   return true;

@@ -82,5 +82,17 @@ void append_line(const std::filesystem::path& file, std::string_view first, std:
 [[nodiscard]] bool stderr_is_terminal() noexcept;
 /// Returns freed heap memory to the system.
 void trim_heap() noexcept;
+/// From now on freed memory of up to 32 MB stays with the heap, whose pages cost more time than what is computed in
+/// them; a program calls it before others run.
+void keep_heap() noexcept;
+/// While one lives, freed memory goes back to the system at once and none is taken in large pages: a program needs
+/// little more memory than it uses, at the price of time. Of this process, whichever thread; they may overlap.
+class ThriftyHeap {
+ public:
+  ThriftyHeap() noexcept;
+  ~ThriftyHeap();
+  ThriftyHeap(const ThriftyHeap&) = delete;
+  ThriftyHeap& operator=(const ThriftyHeap&) = delete;
+};
 
 }  // namespace sparsha::system

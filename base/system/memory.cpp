@@ -1,5 +1,6 @@
 // Memory, processes and terminals of the operating system.
 #include <algorithm>
+#include <atomic>
 #include <fstream>
 #include <string>
 
@@ -48,6 +49,9 @@ bool process_exists(std::uint64_t number) noexcept {
 unsigned process_id() noexcept { return GetCurrentProcessId(); }
 bool stderr_is_terminal() noexcept { return _isatty(2) != 0; }
 void trim_heap() noexcept {}
+void keep_heap() noexcept {}
+ThriftyHeap::ThriftyHeap() noexcept = default;
+ThriftyHeap::~ThriftyHeap() = default;
 void advise_large_pages(void*, std::size_t) noexcept {}
 
 #else
@@ -99,9 +103,42 @@ std::uint64_t physical_memory_bytes() noexcept try {
   return 0;
 }
 
+namespace {
+
+std::atomic<int> thrifty_heaps{0};
+std::atomic<bool> heap_is_kept{false};
+
+// Blocks of at least so many bytes are the system's, and as many may be free at the heap's end, which grows by so many.
+void set_heap([[maybe_unused]] int own_bytes, [[maybe_unused]] int free_bytes, [[maybe_unused]] int growth) noexcept {
+#if defined(__linux__)
+  ::mallopt(M_MMAP_THRESHOLD, own_bytes);
+  ::mallopt(M_TRIM_THRESHOLD, free_bytes);
+  ::mallopt(M_TOP_PAD, growth);
+#endif
+}
+
+void set_kept_heap() noexcept { set_heap(32 << 20, 64 << 20, 16 << 20); }
+
+}  // namespace
+
+void keep_heap() noexcept {
+  heap_is_kept = true;
+  set_kept_heap();
+}
+
+ThriftyHeap::ThriftyHeap() noexcept {
+  if (thrifty_heaps.fetch_add(1) > 0) return;
+  set_heap(256 << 10, 256 << 10, 128 << 10);
+  trim_heap();
+}
+
+ThriftyHeap::~ThriftyHeap() {
+  if (thrifty_heaps.fetch_sub(1) == 1 && heap_is_kept) set_kept_heap();
+}
+
 void advise_large_pages(void* data, std::size_t size) noexcept {
 #if defined(MADV_HUGEPAGE)
-  if (size < 2 * kLargePageBytes) return;
+  if (size < 2 * kLargePageBytes || thrifty_heaps.load(std::memory_order_relaxed) > 0) return;
   const std::size_t past = reinterpret_cast<std::uintptr_t>(data) % kLargePageBytes;
   const std::size_t before = past > 0 ? kLargePageBytes - past : 0;
   const std::size_t whole = (size - before) / kLargePageBytes * kLargePageBytes;

@@ -117,6 +117,8 @@ class Builder {
       build_in_memory(scans);
     } catch (const DoesNotFit& needed) {
       result_ = {};
+      std::optional<system::ThriftyHeap> thrifty;
+      if (limit_.bytes > 0) thrifty.emplace();
       grid_ = config_.grid;
       oriented_ = !config_.orientation.face.has_value();
       if (shared()) require_points_for_ranks(config_, scans.faces());
@@ -218,22 +220,28 @@ class Builder {
     Report::Points points;
     points.read = cloud->size() + cloud->invalid;
     points.invalid = cloud->invalid;
-    build_cloud(cloud, filters_, points, {}, [&](const scene::Lattice& lattice, std::uint64_t bytes_per_point) {
+    const auto approve_sides = [&](std::uint64_t bytes) {
+      if (limit_.bytes > 0 && bytes_with_sides(amount_of(scans), bytes) > limit_.bytes) throw DoesNotFit();
+    };
+    const auto approve_nodes = [&](const scene::Lattice& lattice, const ProjectionNeeds& needs) {
       std::uint64_t needed = bytes_in_memory(amount_of(scans), filters_) + node_bytes(scans, lattice);
       needed += chart_bytes(*cloud, lattice);
       // What is counted for a point is enough for windows; discs take more.
-      needed += more_than_windows(bytes_per_point) * scans.points();
+      const auto size = static_cast<double>(cloud->size());
+      needed +=
+          more_than_windows(needs.bytes_per_point) * scans.points() + needs.column_bytes + needs.kept_side_bytes(size);
       // Of a mesh as many places may be sampled as there are nodes.
       const std::uint64_t places = scans.points() + (scans.faces() > 0 ? lattice.count() : 0U);
       if (checks()) needed += bytes_of_sample(*config_.check, places, lattice);
       if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit{needed};
       require_room(lattice, node_bytes(scans, lattice));
-    });
+    };
+    build_cloud(cloud, filters_, points, {}, {approve_sides, approve_nodes});
   }
 
   // Filters and projects a cloud of which `points` and `before` say what has become so far.
   void build_cloud(const std::shared_ptr<Cloud>& cloud, const std::vector<scene::FilterConfig>& filters,
-                   const Report::Points& points, FilterSteps&& before, const ApproveLattice& approve) {
+                   const Report::Points& points, FilterSteps&& before, const Approval& approval) {
     result_.points = points;
     add_steps(std::move(before));
     const std::vector<Station> stations = cloud->stations;
@@ -255,7 +263,7 @@ class Builder {
     progress_.begin("project");
     result_.triangles = cloud->faces.size();
     result_.projection =
-        project(*cloud, scan_to_grid_, grid_, config_.haptics.resolution_m, {pool_, progress_}, approve);
+        project(*cloud, scan_to_grid_, grid_, config_.haptics.resolution_m, {pool_, progress_}, approval);
     if (unrolled_) uncount_repeated(unrolled_->points, result_.projection);
     // The noise is that of the points as measured; a mesh has none.
     double& noise_m = result_.projection.noise_m;
@@ -432,19 +440,23 @@ class Builder {
     cloud->stations = scans.stations();
     const std::vector<scene::FilterConfig> rest(filters_.begin() + static_cast<std::ptrdiff_t>(leading) + 1,
                                                 filters_.end());
-    build_cloud(cloud, rest, points, std::move(steps),
-                [&](const scene::Lattice& lattice, std::uint64_t bytes_per_point) {
-                  const std::uint64_t nodes = node_bytes(scans, lattice);
-                  if (const std::uint64_t charts = chart_bytes(*cloud, lattice); charts > 0) {
-                    const ScanAmount left{cloud->size(), 0, amount_of(scans).attributes};
-                    const std::uint64_t needed =
-                        bytes_in_memory(left, {}) + nodes + charts + more_than_windows(bytes_per_point) * left.points;
-                    if (needed > limit_.bytes) throw refusal_in_memory(left.points, needed, true);
-                  }
-                  put_nodes_on_disk_unless_they_fit(nodes, bytes_per_point, 0, lattice);
-                  if (!limit_.nodes_on_disk) require_room(lattice, nodes);
-                  (void)points_of_a_tile({limit_.bytes, 0, limit_.nodes_on_disk}, nodes, bytes_per_point, 0, lattice);
-                });
+    const auto approve_sides = [&](std::uint64_t bytes) { require_room_for_sides(limit_, bytes); };
+    const auto approve_nodes = [&](const scene::Lattice& lattice, const ProjectionNeeds& needs) {
+      const std::uint64_t nodes = node_bytes(scans, lattice);
+      limit_.beside = needs.column_bytes + needs.kept_side_bytes(static_cast<double>(cloud->size()));
+      if (const std::uint64_t charts = chart_bytes(*cloud, lattice); charts > 0) {
+        const ScanAmount left{cloud->size(), 0, amount_of(scans).attributes};
+        const std::uint64_t needed = bytes_in_memory(left, {}) + nodes + charts + limit_.beside +
+                                     more_than_windows(needs.bytes_per_point) * left.points;
+        if (needed > limit_.bytes) throw refusal_in_memory(left.points, needed, true);
+      }
+      put_nodes_on_disk_unless_they_fit(nodes, needs.bytes_per_point, 0, lattice);
+      if (!limit_.nodes_on_disk) require_room(lattice, nodes);
+      MemoryLimit of_bytes = limit_;
+      of_bytes.points = 0;
+      (void)points_of_a_tile(of_bytes, nodes, needs.bytes_per_point, 0, lattice);
+    };
+    build_cloud(cloud, rest, points, std::move(steps), {approve_sides, approve_nodes});
   }
 
   // Before points go to disk, where a sample already tells that the limit cannot hold.
@@ -455,9 +467,12 @@ class Builder {
     if (!grid) return;
     MemoryLimit limit = limit_;
     limit.nodes_on_disk = may_put_nodes_on_disk();
+    const auto all = static_cast<double>(scans.points());
+    require_room_for_sides(limit, grid->needs.side_bytes(all));
+    limit.beside = grid->needs.kept_side_bytes(all);
     require_room_about_nodes(limit, scans.sample_m(), scans.points(), scan_to_grid_, *grid);
     require_room_likely(limit, checks() ? &*config_.check : nullptr, scans.points(), node_bytes(scans, grid->lattice),
-                        grid->bytes_per_point, grid->lattice);
+                        grid->needs.bytes_per_point, grid->lattice);
   }
 
   /// `needed` in memory with the grid, bytes; 0 where that is not known.
@@ -483,12 +498,14 @@ class Builder {
 
     use_sample(sample_m, cloud.stations);
     progress_.begin("project");
+    const auto approve_sides = [&](std::uint64_t bytes) { require_room_for_sides(limit_, bytes); };
     TiledProjection tiled(std::move(cloud), scan_to_grid_, config_.grid, config_.haptics.resolution_m, options_.ranks,
-                          {pool_, progress_});
+                          approve_sides, {pool_, progress_});
     const scene::Lattice& lattice = tiled.plan().lattice;
     const std::uint64_t sample_bytes = checks() ? bytes_of_sample(*config_.check, result_.points.read, lattice) : 0;
     const std::uint64_t nodes = node_bytes(scans, lattice);
-    const std::uint64_t bytes_per_point = tiled.plan().bytes_per_point();
+    const std::uint64_t bytes_per_point = tiled.needs().bytes_per_point;
+    limit_.beside = tiled.needs().kept_side_bytes(tiled.needs().points);
     put_nodes_on_disk_unless_they_fit(nodes, bytes_per_point, sample_bytes, lattice);
     if (!limit_.nodes_on_disk) require_room(lattice, nodes);
     const std::uint64_t tile_points = points_of_a_tile(limit_, nodes, bytes_per_point, sample_bytes, lattice);

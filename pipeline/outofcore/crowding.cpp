@@ -85,10 +85,10 @@ std::optional<SampledGrid> sampled_grid(const std::vector<Eigen::Vector3d>& samp
   try {
     (void)Projector(cloud, context.pool, false)
         .project(scan_to_grid, config, resolution_m, context,
-                 [&](const scene::Lattice& lattice, std::uint64_t bytes_per_point) {
-                   grid = {lattice, bytes_per_point};
-                   throw Known();
-                 });
+                 {{}, [&](const scene::Lattice& lattice, const ProjectionNeeds& needs) {
+                    grid = {lattice, needs};
+                    throw Known();
+                  }});
   } catch (const Known&) {
     return grid;
   } catch (const Cancelled&) {
@@ -105,7 +105,7 @@ void require_room_about_nodes(const MemoryLimit& limit, const std::vector<Eigen:
   constexpr int kNear = 4, kFar = 7;
   constexpr double kSigmas = 3.0;
   constexpr std::uint64_t kOfWindows = 56;  // bytes a point: crowded places are thinned
-  if (limit.bytes == 0 || limit.points > 0 || grid.bytes_per_point <= kOfWindows) return;
+  if (limit.bytes == 0 || limit.points > 0 || grid.needs.bytes_per_point <= kOfWindows) return;
   const Counts counts(grid.lattice, sample_m, scan_to_grid);
   const auto of_all = [&](std::uint64_t sampled, double sigmas) {
     const double count = static_cast<double>(sampled) + sigmas * std::sqrt(static_cast<double>(sampled) + 1.0);
@@ -113,7 +113,7 @@ void require_room_about_nodes(const MemoryLimit& limit, const std::vector<Eigen:
     return static_cast<std::uint64_t>(share * static_cast<double>(points));
   };
   const auto bytes_for = [&](std::uint64_t about) {
-    return bytes_with_tile(limit, about, grid.bytes_per_point, grid.lattice);
+    return bytes_with_tile(limit, about, grid.needs.bytes_per_point, grid.lattice);
   };
   const std::uint64_t surely = of_all(counts.most(kNear), -kSigmas);
   if (bytes_for(surely) <= limit.bytes) return;

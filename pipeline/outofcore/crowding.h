@@ -9,6 +9,7 @@
 
 #include "base/threads/context.h"
 #include "pipeline/outofcore/memory.h"
+#include "pipeline/projection/projection.h"
 #include "scene/config/grid.h"
 #include "scene/depth_grid.h"
 
@@ -16,8 +17,8 @@ namespace sparsha::pipeline {
 
 /// What a projection of a sample says of that of all points.
 struct SampledGrid {
-  scene::Lattice lattice;             ///< as of all points, but for the outermost of these
-  std::uint64_t bytes_per_point = 0;  ///< discs take more than windows
+  scene::Lattice lattice;  ///< as of all points, but for the outermost of these
+  ProjectionNeeds needs;
 };
 /// `sample_m` in the scan frame, metres. Nothing for grids without a size or spacing, which the points' distance
 /// decides, and where the sample alone cannot be projected.

@@ -30,6 +30,9 @@ constexpr std::uint64_t kTrialFace = 36;  // more, while views of a mesh are tri
 // Bytes a sampled node of which the cross-check keeps the error until the report is written.
 constexpr double kNodeError = 12.0;
 
+// Of those of a point in memory that are taken before anything is sorted: as it was read, and oriented.
+constexpr std::uint64_t kOriented = 32;
+
 // Bytes an item of a cross-check's sample, while it is drawn or measured.
 constexpr std::uint64_t kSampledPoint = 48;
 constexpr std::uint64_t kSampledNode = 32;
@@ -102,6 +105,19 @@ std::uint64_t bytes_in_memory(const ScanAmount& scans, const std::vector<scene::
   }
   if (smooths) a_point += kMoved;
   return kProgram + a_point * scans.points + kFace * scans.faces;
+}
+
+std::uint64_t bytes_with_sides(const ScanAmount& scans, std::uint64_t side_bytes) {
+  return kProgram + (kOriented + scans.attributes * kAttribute) * scans.points + kFace * scans.faces + side_bytes;
+}
+
+void require_room_for_sides(const MemoryLimit& limit, std::uint64_t side_bytes) {
+  const std::uint64_t needed = kProgram + side_bytes;
+  if (limit.bytes == 0 || needed <= limit.bytes) return;
+  throw Error(ErrorKind::failure, {},
+              fmt::format("to tell the sides of this object apart takes about {} MB, more than the limit of {} MB",
+                          needed / 1'000'000U + 1, limit.bytes / 1'000'000U),
+              "a higher --memory or a voxel filter");
 }
 
 bool may_fit(const MemoryLimit& limit, const ScanAmount& scans, const std::vector<scene::FilterConfig>& filters) {
@@ -199,7 +215,8 @@ bool nodes_fit(const MemoryLimit& limit, std::uint64_t node_bytes, std::uint64_t
 std::uint64_t bytes_with_tile(const MemoryLimit& limit, std::uint64_t points, std::uint64_t bytes_per_point,
                               const scene::Lattice& lattice) {
   const double heights = kHeights * static_cast<double>(lattice.count());
-  return kProgram + resident_bytes(limit, static_cast<std::uint64_t>(heights)) + points * bytes_per_point;
+  return kProgram + limit.beside + resident_bytes(limit, static_cast<std::uint64_t>(heights)) +
+         points * bytes_per_point;
 }
 
 std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes, std::uint64_t bytes_per_point,

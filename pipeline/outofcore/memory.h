@@ -18,6 +18,7 @@ struct MemoryLimit {
   std::uint64_t points = 0;  ///< 0 = as many as `bytes` allow
   /// Arrays of nodes lie in files (base/system/disk_arrays.h), and a share of the limit is for what is touched of them.
   bool nodes_on_disk = false;
+  std::uint64_t beside = 0;  ///< of `bytes` those that are taken while points are measured, whatever tiles there are
 
   [[nodiscard]] bool none() const { return bytes == 0 && points == 0; }
 };
@@ -36,6 +37,12 @@ struct ScanAmount {
 
 /// The most that a build in memory needs at once beside its nodes, bytes.
 [[nodiscard]] std::uint64_t bytes_in_memory(const ScanAmount& scans, const std::vector<scene::FilterConfig>& filters);
+
+/// The most that a build in memory needs while it tells sides apart, which takes `side_bytes`: nothing is sorted yet.
+[[nodiscard]] std::uint64_t bytes_with_sides(const ScanAmount& scans, std::uint64_t side_bytes);
+
+/// Throws Error{failure} when sides cannot be told apart within the limit, with points on disk.
+void require_room_for_sides(const MemoryLimit& limit, std::uint64_t side_bytes);
 
 /// The error of a mesh that does not fit, which is built in memory only and needs so many `bytes`, with or without
 /// those of the grid.

@@ -63,7 +63,8 @@ OrientedPoints TiledProjection::orient(const PointRecords& records, ThreadPool& 
 }
 
 TiledProjection::TiledProjection(CloudOnDisk cloud, const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& grid,
-                                 double resolution_m, const Ranks* ranks, const Context& context)
+                                 double resolution_m, const Ranks* ranks,
+                                 const std::function<void(std::uint64_t)>& approve_sides, const Context& context)
     : cloud_(std::move(cloud)), ranks_(ranks), scan_to_grid_(scan_to_grid) {
   JoinBytes join;
   if (ranks != nullptr) join = [ranks](std::vector<std::byte>& bytes) { ranks->join(bytes); };
@@ -89,7 +90,8 @@ TiledProjection::TiledProjection(CloudOnDisk cloud, const Eigen::Matrix4d& scan_
   const PointTotals totals = totals_of(pieces);
   const Extent extent = supported_extent(totals, pieces, context.pool);
   plan_ = plan_projection(pieces, totals, extent, {cloud_.stations, scan_to_grid, plan_.origin_m}, false, grid,
-                          resolution_m, context.pool);
+                          resolution_m, context.pool, approve_sides);
+  cloud_points_ = totals.count;
 }
 
 void TiledProjection::fill_buckets(const std::filesystem::path& folder, const Context& context) {
@@ -206,13 +208,21 @@ std::uint64_t TiledProjection::most_about_a_node(int halo) const {
   return most;
 }
 
+/// The columns of a row of bins take as much memory as so many points.
+std::uint64_t TiledProjection::columns_of_row(const MemoryLimit& limit) const {
+  if (limit.bytes == 0) return 0;
+  const std::uint64_t bytes = plan_.needs(cloud_points_).column_bytes / row_points_.size();
+  return (bytes + plan_.bytes_per_point() - 1) / plan_.bytes_per_point();
+}
+
 std::vector<Tile> TiledProjection::cut_rows(const TileRoom& room, int halo, const Context& context) const {
   const auto rows = static_cast<int>(std::min<std::uint64_t>(
       static_cast<std::uint64_t>(plan_.lattice.ny),
       bins_beside(room.limit, room.points, plan_.bytes_per_point()) / static_cast<std::uint64_t>(plan_.bins.bins_x())));
-  return cut_into_tiles(plan_.bins, halo, room.points, rows, row_points_, [&](int first, int last) {
-    return bin_points_.empty() ? count_columns(first, last, context.pool) : taken_of_columns(first, last);
-  });
+  return cut_into_tiles(
+      plan_.bins, halo, room.points, rows, columns_of_row(room.limit), row_points_, [&](int first, int last) {
+        return bin_points_.empty() ? count_columns(first, last, context.pool) : taken_of_columns(first, last);
+      });
 }
 
 /// Bins beyond a tile that decide its nodes: a neighbour's height decides too, and it may look as far.
@@ -245,7 +255,8 @@ std::vector<Tile> TiledProjection::cut_counted(const TileRoom& room, int halo, c
     throw;
   } catch (const Error&) {
     const std::uint64_t most = most_about_a_node(halo);
-    const std::uint64_t bytes = bytes_with_tile(room.limit, most, plan_.bytes_per_point(), plan_.lattice) +
+    const std::uint64_t columns = columns_of_row(room.limit) * static_cast<std::uint64_t>(2 * halo + 1);
+    const std::uint64_t bytes = bytes_with_tile(room.limit, most + columns, plan_.bytes_per_point(), plan_.lattice) +
                                 bin_points_.size() * sizeof(bin_points_[0]);
     throw Error(
         ErrorKind::failure, {},

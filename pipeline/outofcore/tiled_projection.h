@@ -45,11 +45,14 @@ struct TileRoom {
 class TiledProjection {
  public:
   /// Goes through the cloud a few times for everything that is decided before a node is fitted. Throws as project().
-  /// `ranks`: each has a share of the cloud, and all make the same calls; null alone. They outlive this object.
+  /// `approve_sides` as in Approval. `ranks`: each has a share of the cloud, and all make the same calls; null alone.
+  /// They outlive this object.
   TiledProjection(CloudOnDisk cloud, const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& grid,
-                  double resolution_m, const Ranks* ranks, const Context& context);
+                  double resolution_m, const Ranks* ranks, const std::function<void(std::uint64_t)>& approve_sides,
+                  const Context& context);
 
   [[nodiscard]] const ProjectionPlan& plan() const { return plan_; }
+  [[nodiscard]] ProjectionNeeds needs() const { return plan_.needs(cloud_points_); }
 
   /// Sorts the points into buckets on disk, gives the cloud back, and measures tile by tile, each of at most
   /// `room.points`. The projection's `point_class` stays empty. Once only. Throws Error{failure}, with the memory that
@@ -79,6 +82,7 @@ class TiledProjection {
   [[nodiscard]] std::uint64_t taken_of(const BinWindow& bins) const;
   [[nodiscard]] std::vector<std::uint64_t> taken_of_columns(int first, int last) const;
   [[nodiscard]] std::uint64_t most_about_a_node(int halo) const;
+  [[nodiscard]] std::uint64_t columns_of_row(const MemoryLimit& limit) const;
   [[nodiscard]] std::vector<Tile> cut_rows(const TileRoom& room, int halo, const Context& context) const;
   [[nodiscard]] std::vector<Tile> cut_counted(const TileRoom& room, int halo, const Context& context) const;
   [[nodiscard]] std::vector<Tile> cut(const TileRoom& room, const Context& context);
@@ -116,6 +120,7 @@ class TiledProjection {
   std::vector<int> first_rows_;  ///< of nodes, of each rank and behind the last; empty alone
   Eigen::Matrix4d scan_to_grid_;
   ProjectionPlan plan_;
+  std::uint64_t cloud_points_ = 0;
   std::uint64_t beyond_ = 0;               ///< points outside all bins
   std::vector<std::uint64_t> row_points_;  ///< in each row of bins
   /// Of each bin, where a tile takes no more of a bin than decide its nodes; else empty.

@@ -69,9 +69,14 @@ std::optional<std::vector<Tile>> cut_columns(const BinLattice& lattice, int halo
 }  // namespace
 
 std::vector<Tile> cut_into_tiles(const BinLattice& lattice, int halo, std::uint64_t most_points, int most_rows,
-                                 const std::vector<std::uint64_t>& row_points,
+                                 std::uint64_t per_row, const std::vector<std::uint64_t>& row_points,
                                  const std::function<std::vector<std::uint64_t>(int first, int last)>& column_points) {
-  const Axis rows(row_points, lattice.ny, halo);
+  const auto beside = [&](const Range& rows) {
+    return per_row * static_cast<std::uint64_t>(rows.last_bin - rows.first_bin);
+  };
+  std::vector<std::uint64_t> row_memory = row_points;
+  for (std::uint64_t& points : row_memory) points += per_row;
+  const Axis rows(row_memory, lattice.ny, halo);
   // Lower bands would read more halo than nodes.
   const int least = 4 * halo;
   const int most = std::max({1, least, most_rows});
@@ -80,18 +85,22 @@ std::vector<Tile> cut_into_tiles(const BinLattice& lattice, int halo, std::uint6
     const std::optional<Range> whole = rows.longest(j, most_points, most);
     if (whole && (whole->last - j >= least || whole->last == lattice.ny)) {
       tiles.push_back({whole->first, whole->last, 0, lattice.nx,
-                       BinWindow{whole->first_bin, whole->last_bin, 0, lattice.bins_x()}, whole->points});
+                       BinWindow{whole->first_bin, whole->last_bin, 0, lattice.bins_x()},
+                       whole->points - beside(*whole)});
       j = whole->last;
       continue;
     }
     std::optional<std::vector<Tile>> cut;
     for (int height = std::min(least, lattice.ny - j); height > 0 && !cut; height /= 2) {
       const Range range = rows.range(j, j + height);
-      cut = cut_columns(lattice, halo, most_points, range, column_points(range.first_bin, range.last_bin));
+      if (beside(range) > most_points) continue;
+      cut = cut_columns(lattice, halo, most_points - beside(range), range,
+                        column_points(range.first_bin, range.last_bin));
     }
     if (!cut) {
       throw Error(ErrorKind::failure, {},
-                  "the points about a single node of the grid, " + std::to_string(rows.range(j, j + 1).points) +
+                  "the points about a single node of the grid, " +
+                      std::to_string(rows.range(j, j + 1).points - beside(rows.range(j, j + 1))) +
                       " in its rows, do not fit the memory limit",
                   "a higher --memory, a finer grid or a voxel filter");
     }

@@ -307,6 +307,7 @@ void FacingField::find_neighbours(ThreadPool& pool) {
   pool.for_ranges(shared.rows, 1, [&](std::size_t row, std::size_t) {
     std::vector<std::uint32_t> aligned;
     std::vector<float> cosine;
+    std::vector<Neighbour> all;  // of the row: kept without what a growing array has to spare
     for (std::size_t column = 0; column < shared.columns; ++column) {
       const std::uint32_t* start = shared.start + row * (shared.columns + 1) + column;
       if (start[0] == start[1]) continue;
@@ -316,10 +317,11 @@ void FacingField::find_neighbours(ThreadPool& pool) {
       cosine.resize(aligned.size());
       for (std::uint32_t d = start[0]; d < start[1]; ++d) {
         const std::size_t count = fastest_kernels().list_aligned(shared, row, column, d, aligned.data(), cosine.data());
-        for (std::size_t n = 0; n < count; ++n) near_[row].push_back({aligned[n], cosine[n]});
+        for (std::size_t n = 0; n < count; ++n) all.push_back({aligned[n], cosine[n]});
         near_counts_[d] = static_cast<std::uint32_t>(count);
       }
     }
+    near_[row].assign(all.begin(), all.end());
   });
 }
 
@@ -346,28 +348,33 @@ void FacingField::spread_votes(ThreadPool& pool) {
 // around the wall's rim, tells. So normals are aligned along the flattest connections (Hoppe et al. 1992, section 3.3),
 // and where the votes of a connected surface agree well, those that do not are overruled.
 void FacingField::overrule_by_surface(SideEvidence evidence) {
-  struct Edge {
-    std::uint32_t a, b;
-    bool opposed;
-  };
   constexpr std::size_t kBuckets = 256;
-  std::vector<std::vector<Edge>> edges(kBuckets);
-  for (std::size_t row = 0; row < near_.size(); ++row) {
-    const Neighbour* cursor = near_[row].data();
-    const std::uint32_t first = row_begin(row);
-    for (std::uint32_t d = first; d < first + row_size(row); ++d) {
-      for (std::uint32_t n = 0; n < near_counts_[d]; ++n, ++cursor) {
-        if (cursor->sample <= d) continue;
-        const float bent = (1.0F - std::min(1.0F, std::abs(cursor->cosine))) / (1.0F - kAligned);
-        const auto bucket = std::min(kBuckets - 1, static_cast<std::size_t>(bent * static_cast<float>(kBuckets)));
-        edges[bucket].push_back({d, cursor->sample, cursor->cosine < 0.0F});
+  constexpr std::uint32_t kOpposed = 0x80000000U;  // samples are far fewer
+  struct Edge {
+    std::uint32_t a, b;  // b with kOpposed where normals are opposed
+  };
+  const auto each = [&](const auto& use) {
+    for (std::size_t row = 0; row < near_.size(); ++row) {
+      const Neighbour* cursor = near_[row].data();
+      const std::uint32_t first = row_begin(row);
+      for (std::uint32_t d = first; d < first + row_size(row); ++d) {
+        for (std::uint32_t n = 0; n < near_counts_[d]; ++n, ++cursor) {
+          if (cursor->sample <= d) continue;
+          const float bent = (1.0F - std::min(1.0F, std::abs(cursor->cosine))) / (1.0F - kAligned);
+          const auto bucket = std::min(kBuckets - 1, static_cast<std::size_t>(bent * static_cast<float>(kBuckets)));
+          use(bucket, Edge{d, cursor->sample | (cursor->cosine < 0.0F ? kOpposed : 0U)});
+        }
       }
     }
-  }
+  };
+  // Counted first: there are many times as many edges as samples.
+  std::vector<std::size_t> next(kBuckets + 1, 0);
+  each([&](std::size_t bucket, const Edge&) { ++next[bucket + 1]; });
+  for (std::size_t bucket = 0; bucket < kBuckets; ++bucket) next[bucket + 1] += next[bucket];
+  std::vector<Edge> edges(next.back());
+  each([&](std::size_t bucket, const Edge& edge) { edges[next[bucket]++] = edge; });
   SurfaceParts parts(votes_.size());
-  for (const std::vector<Edge>& bucket : edges) {
-    for (const Edge& edge : bucket) parts.join(edge.a, edge.b, edge.opposed);
-  }
+  for (const Edge& edge : edges) parts.join(edge.a, edge.b & ~kOpposed, (edge.b & kOpposed) != 0);
   outside_.assign(votes_.size(), 0.0F);
   closed_.assign(votes_.size(), 0);
   std::vector<double> sum(votes_.size(), 0.0);

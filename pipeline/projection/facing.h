@@ -38,6 +38,9 @@ class FacingField {
   FacingField(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent, double spacing_m,
               double samples, const std::vector<StationView>& stations, SideEvidence evidence, ThreadPool& pool);
 
+  /// What a sample takes at most while sides are told apart, and what of it is kept, bytes: measured, and rounded up.
+  static constexpr std::uint64_t kBytesOfSample = 500, kKeptOfSample = 150;
+
   /// Of what the viewer sees first, the share that faces away: holes in the front. Where it is large, holes are an
   /// unlikely reason.
   [[nodiscard]] double share_turned_away() const;

@@ -123,7 +123,9 @@ UnevenSurface uneven_surface(const OrientedPieces& pieces, const Extent& extent,
 
 void find_sides(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
                 const OrientedStations& oriented, double spacing_m, double samples, SideEvidence evidence,
-                ThreadPool& pool, ProjectionPlan& plan) {
+                ThreadPool& pool, const std::function<void(std::uint64_t bytes)>& approve, ProjectionPlan& plan) {
+  plan.facing_samples = samples;
+  if (approve) approve(ProjectionNeeds{0, 0, samples, 0.0}.side_bytes(static_cast<double>(totals.count)));
   auto facing = std::make_shared<FacingField>(pieces, totals, extent, spacing_m, samples,
                                               station_views(oriented, evidence), evidence, pool);
   name_lying_stations(*facing, oriented, plan);
@@ -166,7 +168,8 @@ DiscRule disc_rule(const SurfaceStatistics& surface, bool on_lines) {
 
 ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent,
                                const OrientedStations& oriented, bool only_mesh, const scene::GridConfig& config,
-                               double resolution_m, ThreadPool& pool) {
+                               double resolution_m, ThreadPool& pool,
+                               const std::function<void(std::uint64_t bytes)>& approve_sides) {
   const Eigen::Vector3d& origin_m = oriented.origin_m;
   CloudStatistics statistics = sample_cloud(pieces, extent, pool);
   const SpaceStatistics& in_space = statistics.in_space;
@@ -191,7 +194,7 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
     if (several || may_show_back(space, oriented.stations)) {
       find_sides(pieces, totals, extent, oriented, surface.spacing_m,
                  facing_samples(space, surface.spacing_m, totals.count),
-                 several ? SideEvidence::views : SideEvidence::certain, pool, plan);
+                 several ? SideEvidence::views : SideEvidence::certain, pool, approve_sides, plan);
     }
     return true;
   };
@@ -208,7 +211,7 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
     if (!decided && may_show_back(in_space, oriented.stations)) {
       const double spacing_m = in_space.surface_spacing_m;
       find_sides(pieces, totals, extent, oriented, spacing_m, facing_samples(in_space, spacing_m, totals.count),
-                 SideEvidence::certain, pool, plan);
+                 SideEvidence::certain, pool, approve_sides, plan);
     }
   }
   if (config.noise_m) statistics.noise_m = *config.noise_m;
@@ -230,6 +233,23 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
   const double finer = statistics.point_spacing_m / plan.lattice.spacing_m;
   plan.rule = {statistics.noise_m, static_cast<int>(std::clamp(std::ceil(6.0 * finer), 3.0, 24.0))};
   return plan;
+}
+
+std::uint64_t ProjectionNeeds::side_bytes(double of_points) const {
+  return static_cast<std::uint64_t>(std::min(wanted_samples, of_points)) * FacingField::kBytesOfSample;
+}
+
+std::uint64_t ProjectionNeeds::kept_side_bytes(double of_points) const {
+  return static_cast<std::uint64_t>(std::min(wanted_samples, of_points)) * FacingField::kKeptOfSample;
+}
+
+ProjectionNeeds ProjectionPlan::needs(std::uint64_t points) const {
+  ProjectionNeeds needs;
+  needs.bytes_per_point = bytes_per_point();
+  if (discs) needs.column_bytes = kColumnBytes * disc_columns(bins, *discs).bin_count();
+  needs.wanted_samples = facing_samples;
+  needs.points = static_cast<double>(points);
+  return needs;
 }
 
 Projection ProjectionPlan::empty_projection() const {

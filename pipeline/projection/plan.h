@@ -2,6 +2,8 @@
 // once.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +40,7 @@ struct ProjectionPlan {
   bool closed = false;                        ///< discs, of an object that has several sides
   double layers_apart_m = 0.0;                ///< median, of places with two layers
   ScatterRule scatter;                        ///< points of no surface stay out
+  double facing_samples = 0.0;                ///< wanted to tell sides apart; 0 where nothing asks for them
   bool facing_asked = false;                  ///< a back may show through holes of the front
   std::shared_ptr<const FacingField> facing;  ///< when asked and known what faces away
   std::vector<std::string> lying_stations;    ///< files whose stations do not see the sides that are outside
@@ -45,6 +48,8 @@ struct ProjectionPlan {
 
   /// Memory of a point while it is sorted and nodes are measured, and some to spare; without the cloud's own.
   [[nodiscard]] std::uint64_t bytes_per_point() const { return discs ? 112 : 56; }
+  /// Of so many points.
+  [[nodiscard]] ProjectionNeeds needs(std::uint64_t points) const;
 
   /// With nothing measured yet.
   [[nodiscard]] Projection empty_projection() const;
@@ -65,10 +70,11 @@ struct OrientedStations {
 [[nodiscard]] DiscRule disc_rule(const SurfaceStatistics& surface, bool on_lines);
 
 /// `totals` are of the pieces, `oriented` says how they were made. Vertices of faces carry no noise: `only_mesh` says
-/// there is nothing else. Throws as choose_lattice does.
+/// there is nothing else. `approve_sides` as in Approval. Throws as choose_lattice does.
 [[nodiscard]] ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& totals,
                                              const Extent& extent, const OrientedStations& oriented, bool only_mesh,
-                                             const scene::GridConfig& config, double resolution_m, ThreadPool& pool);
+                                             const scene::GridConfig& config, double resolution_m, ThreadPool& pool,
+                                             const std::function<void(std::uint64_t bytes)>& approve_sides = {});
 
 /// Throws Error{input} when no node is measured.
 void require_a_measured_node(const scene::DepthGrid& grid);

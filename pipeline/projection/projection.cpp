@@ -6,8 +6,8 @@
 namespace sparsha::pipeline {
 
 Projection project(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& config,
-                   double resolution_m, const Context& context, const ApproveLattice& approve) {
-  return Projector(cloud, context.pool, false).project(scan_to_grid, config, resolution_m, context, approve);
+                   double resolution_m, const Context& context, const Approval& approval) {
+  return Projector(cloud, context.pool, false).project(scan_to_grid, config, resolution_m, context, approval);
 }
 
 }  // namespace sparsha::pipeline

@@ -47,15 +47,34 @@ struct Projection {
   std::vector<float> intensity;
 };
 
-/// May refuse a lattice by throwing.
-using ApproveLattice = std::function<void(const scene::Lattice& lattice, std::uint64_t bytes_per_point)>;
+/// What measuring the nodes takes beside points as they are in the cloud and the nodes themselves.
+struct ProjectionNeeds {
+  std::uint64_t bytes_per_point = 0;  ///< while points are sorted and nodes are measured
+  std::uint64_t column_bytes = 0;     ///< of the columns that discs are found in, over the whole lattice
+  double wanted_samples = 0.0;        ///< that tell sides apart, of as many points or more
+  double points = 0.0;                ///< of which this is known
+
+  /// Of samples while they tell sides apart, and of what is kept of them while nodes are measured; of so many points.
+  [[nodiscard]] std::uint64_t side_bytes(double of_points) const;
+  [[nodiscard]] std::uint64_t kept_side_bytes(double of_points) const;
+  /// Of columns, where so many points lie on the same surface.
+  [[nodiscard]] std::uint64_t column_bytes_of(double of_points) const {
+    return static_cast<std::uint64_t>(static_cast<double>(column_bytes) * of_points / points);
+  }
+};
+
+/// May refuse what a projection needs by throwing, before memory is taken for it. Both may be empty.
+struct Approval {
+  std::function<void(std::uint64_t bytes)> sides;  ///< what telling sides apart takes at most
+  std::function<void(const scene::Lattice& lattice, const ProjectionNeeds& needs)> nodes;
+};
 
 /// Projects `cloud` as seen along -z of the grid frame, grid = scan_to_grid * scan. `resolution_m` bounds the automatic
 /// spacing from below. Looking at a cloud from one side after another is faster by a Projector. The result depends
 /// neither on the pool's threads nor on the order of the points. Throws Error{input} when no node can be measured,
-/// Error{usage} when the grid would exceed 2^31 nodes or memory. `approve`, when given, sees the lattice, and how many
-/// bytes a point takes while nodes are measured, before memory is taken for it; it may throw.
+/// Error{usage} when the grid would exceed 2^31 nodes or memory. `approval` may
+/// refuse what it takes.
 [[nodiscard]] Projection project(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& grid,
-                                 double resolution_m, const Context& context, const ApproveLattice& approve = {});
+                                 double resolution_m, const Context& context, const Approval& approval = {});
 
 }  // namespace sparsha::pipeline

@@ -66,14 +66,14 @@ Projector::Projector(const Cloud& cloud, ThreadPool& pool, bool keep_memory)
 
 ProjectionPlan Projector::plan(const OrientedPoints& points, const Eigen::Matrix4d& scan_to_grid,
                                const Eigen::Vector3d& origin_m, const scene::GridConfig& config, double resolution_m,
-                               ThreadPool& pool) const {
+                               ThreadPool& pool, const Approval& approval) const {
   const OrientedPieces whole = [&](const auto& use) { use(points); };
   PointTotals totals;
   totals.add(points);
   Extent extent = supported_extent(totals, whole, pool);
   include_faces(points, cloud_.faces, extent);
   return plan_projection(whole, totals, extent, {cloud_.stations, scan_to_grid, origin_m}, only_mesh_, config,
-                         resolution_m, pool);
+                         resolution_m, pool, approval.sides);
 }
 
 scene::Lattice Projector::lattice(const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& config,
@@ -81,16 +81,16 @@ scene::Lattice Projector::lattice(const Eigen::Matrix4d& scan_to_grid, const sce
   context.progress.throw_if_cancelled();
   const Eigen::Vector3d origin_m = origin_of_sample(origin_sample_, cloud_.origin_m, scan_to_grid);
   const OrientedPoints points = orient_points(raw_, cloud_.origin_m, scan_to_grid, origin_m, context.pool, nullptr);
-  return plan(points, scan_to_grid, origin_m, config, resolution_m, context.pool).lattice;
+  return plan(points, scan_to_grid, origin_m, config, resolution_m, context.pool, {}).lattice;
 }
 
 Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& config, double resolution_m,
-                              const Context& context, const ApproveLattice& approve) try {
+                              const Context& context, const Approval& approval) try {
   MemoryStore* const store = keep_memory_ ? &memory_ : nullptr;
   const Eigen::Vector3d origin_m = origin_of_sample(origin_sample_, cloud_.origin_m, scan_to_grid);
   const OrientedPoints points = orient_points(raw_, cloud_.origin_m, scan_to_grid, origin_m, context.pool, store);
-  const ProjectionPlan plan = this->plan(points, scan_to_grid, origin_m, config, resolution_m, context.pool);
-  if (approve) approve(plan.lattice, plan.bytes_per_point());
+  const ProjectionPlan plan = this->plan(points, scan_to_grid, origin_m, config, resolution_m, context.pool, approval);
+  if (approval.nodes) approval.nodes(plan.lattice, plan.needs(points.count));
   Projection projection = plan.empty_projection();
   projection.only_mesh = only_mesh_;
   context.progress.throw_if_cancelled();

@@ -29,7 +29,7 @@ class Projector {
 
   /// What project() gives, bit for bit, and with the same errors.
   [[nodiscard]] Projection project(const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& grid,
-                                   double resolution_m, const Context& context, const ApproveLattice& approve = {});
+                                   double resolution_m, const Context& context, const Approval& approval = {});
 
   /// The lattice that project() would choose, without anything being measured. The same errors.
   [[nodiscard]] scene::Lattice lattice(const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& grid,
@@ -38,7 +38,7 @@ class Projector {
  private:
   [[nodiscard]] ProjectionPlan plan(const OrientedPoints& points, const Eigen::Matrix4d& scan_to_grid,
                                     const Eigen::Vector3d& origin_m, const scene::GridConfig& grid, double resolution_m,
-                                    ThreadPool& pool) const;
+                                    ThreadPool& pool, const Approval& approval) const;
 
   const Cloud& cloud_;
   RawPoints raw_;

@@ -22,11 +22,19 @@ struct Rows {
   std::size_t nx, first, last;
 };
 
+// A value per column. Memory of other rows is not touched.
+template <typename T>
+Buffer<T> of_columns(const BinLattice& columns, const Rows& rows, T value) {
+  Buffer<T> values = make_buffer<T>(columns.bin_count());
+  std::fill(values.get() + rows.first * rows.nx, values.get() + rows.last * rows.nx, value);
+  return values;
+}
+
 // Below these heights, one per column, points are hidden: all columns around have two points far above.
-std::vector<float> hidden_below(const Bins& bins, const Rows& rows, double depth_m, ThreadPool& pool) {
+Buffer<float> hidden_below(const Bins& bins, const Rows& rows, double depth_m, ThreadPool& pool) {
   const std::size_t nx = rows.nx;
-  std::vector<float> second(bins.lattice.bin_count(), kLowest);
-  std::vector<float> hidden(second.size(), kLowest);
+  const Buffer<float> second = of_columns(bins.lattice, rows, kLowest);
+  Buffer<float> hidden = of_columns(bins.lattice, rows, kLowest);
   pool.for_ranges(rows.last - rows.first, 8, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = (rows.first + begin) * nx; c < (rows.first + end) * nx; ++c) {
       if (bins.start[c + 1] - bins.start[c] >= 2) second[c] = bins.z[bins.start[c] + 1];
@@ -36,7 +44,7 @@ std::vector<float> hidden_below(const Bins& bins, const Rows& rows, double depth
     std::vector<float> lowest(nx);
     for (std::size_t j = rows.first + begin; j < rows.first + end; ++j) {
       if (j < rows.first + kHiddenBy || j + kHiddenBy >= rows.last) continue;
-      std::copy_n(second.data() + (j - kHiddenBy) * nx, nx, lowest.begin());
+      std::copy_n(second.get() + (j - kHiddenBy) * nx, nx, lowest.begin());
       for (std::size_t b = j - kHiddenBy + 1; b <= j + kHiddenBy; ++b) {
         for (std::size_t i = 0; i < nx; ++i) lowest[i] = std::min(lowest[i], second[b * nx + i]);
       }
@@ -87,7 +95,7 @@ void pack_row(const Bins& bins, std::size_t row, std::size_t nx, Found& found, s
 std::vector<std::uint8_t> rings_of_columns(const TangentDiscs& discs, const Rows& rows, double side_m, int widest) {
   const std::size_t nx = rows.nx;
   const int most = widest + 1;
-  std::vector<std::uint8_t> own(discs.columns.bin_count(), 0);
+  const Buffer<std::uint8_t> own = of_columns<std::uint8_t>(discs.columns, rows, 0);
   for (std::size_t j = rows.first; j < rows.last; ++j) {
     for (std::size_t i = 0; i < nx; ++i) {
       float widest2 = 0.0F;
@@ -98,7 +106,7 @@ std::vector<std::uint8_t> rings_of_columns(const TangentDiscs& discs, const Rows
     }
   }
   // A foot may lie a little outside its point's column, so one ring is looked at in any case.
-  std::vector<std::uint8_t> rings(own.size(), 1);
+  std::vector<std::uint8_t> rings(discs.columns.bin_count(), 1);
   for (std::size_t j = rows.first; j < rows.last; ++j) {
     for (std::size_t i = 0; i < nx; ++i) {
       const std::size_t reach = own[j * nx + i];
@@ -136,8 +144,7 @@ TangentDiscs find_discs(const OrientedPoints& points, const std::vector<std::uin
   const Rows rows{static_cast<std::size_t>(columns.bins_x()), static_cast<std::size_t>(window.first_row),
                   static_cast<std::size_t>(window.last_row)};
   const double hidden_m = kHidden * rule.most_spacings / DiscRule::kMostSpacings * rule.spacing_m;
-  const std::vector<float> hidden =
-      all ? std::vector<float>(columns.bin_count(), kLowest) : hidden_below(bins, rows, hidden_m, pool);
+  const Buffer<float> hidden = all ? of_columns(columns, rows, kLowest) : hidden_below(bins, rows, hidden_m, pool);
   Found found(bins.points, store);
 
   DiscKernel kernel;
@@ -159,7 +166,7 @@ TangentDiscs find_discs(const OrientedPoints& points, const std::vector<std::uin
   kernel.least_width2 = rule.lines ? static_cast<float>(2.0 * rule.noise_m * rule.noise_m) : 0.0F;
   kernel.reach = static_cast<float>(DiscRule::kReach);
   kernel.noise_m = static_cast<float>(rule.noise_m);
-  kernel.needed_m = hidden.data();
+  kernel.needed_m = hidden.get();
   kernel.foot_x = found.x.get();
   kernel.foot_y = found.y.get();
   kernel.foot_z = found.z.get();

@@ -46,6 +46,9 @@ struct DiscRule {
 /// Columns that hold all discs that may cover a node.
 [[nodiscard]] BinLattice disc_columns(const BinLattice& nodes, const DiscRule& rule);
 
+/// What a column takes while discs are found, bytes.
+inline constexpr std::uint64_t kColumnBytes = 18;
+
 /// Discs sorted into columns. The arrays may be read beyond their ends as those of Bins.
 struct TangentDiscs {
   BinLattice columns;

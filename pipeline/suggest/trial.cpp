@@ -136,7 +136,7 @@ Trial Trials::run_at_own_spacing(const View& view, double least_m) {
   struct TooFine {};
   constexpr double kClearly = 1.2;
   try {
-    return run(view, 0.0, [&](const scene::Lattice& lattice, std::uint64_t) {
+    return run(view, 0.0, [&](const scene::Lattice& lattice) {
       if (kClearly * lattice.spacing_m < least_m) throw TooFine();
     });
   } catch (const TooFine&) {
@@ -144,7 +144,7 @@ Trial Trials::run_at_own_spacing(const View& view, double least_m) {
   }
 }
 
-Trial Trials::run(const View& view, double spacing_m, const ApproveLattice& approve) {
+Trial Trials::run(const View& view, double spacing_m, const std::function<void(const scene::Lattice&)>& approve) {
   Trial trial;
   trial.view = view;
   trial.spacing_m = spacing_m;
@@ -158,11 +158,11 @@ Trial Trials::run(const View& view, double spacing_m, const ApproveLattice& appr
     const Eigen::Matrix4d scan_to_grid = scene::look_from(view.look_from, view.up, 1.0);
     Projection projection = projector_->project(
         scan_to_grid, grid, scene::HapticsConfig{}.resolution_m, {pool_, progress_},
-        [&](const scene::Lattice& lattice, std::uint64_t bytes) {
-          if (approve) approve(lattice, bytes);
-          if (static_cast<double>(lattice.count()) <= kMostNodes) return;
-          throw usage_error(fmt::format("the grid would have {} x {} nodes", lattice.nx, lattice.ny));
-        });
+        {{}, [&](const scene::Lattice& lattice, const ProjectionNeeds&) {
+           if (approve) approve(lattice);
+           if (static_cast<double>(lattice.count()) <= kMostNodes) return;
+           throw usage_error(fmt::format("the grid would have {} x {} nodes", lattice.nx, lattice.ny));
+         }});
     const scene::Lattice lattice = projection.grid.lattice;
     trial.measured = static_cast<double>(
         std::count(projection.grid.state.begin(), projection.grid.state.end(), scene::NodeState::measured));

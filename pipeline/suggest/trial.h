@@ -75,7 +75,8 @@ class Trials {
   [[nodiscard]] Trial run_at_own_spacing(const View& view, double least_m);
 
  private:
-  [[nodiscard]] Trial run(const View& view, double spacing_m, const ApproveLattice& approve);
+  [[nodiscard]] Trial run(const View& view, double spacing_m,
+                          const std::function<void(const scene::Lattice&)>& approve);
 
   ThreadPool pool_;
   Progress& progress_;

@@ -28,7 +28,7 @@ struct Density {
     std::vector<std::uint64_t> rows(static_cast<std::size_t>(lattice.bins_y()), 0);
     for (int row = 0; row < lattice.bins_y(); ++row)
       for (int column = 0; column < lattice.bins_x(); ++column) rows[static_cast<std::size_t>(row)] += at(column, row);
-    return cut_into_tiles(lattice, halo, most, most_rows, rows, [&](int first, int last) {
+    return cut_into_tiles(lattice, halo, most, most_rows, 0, rows, [&](int first, int last) {
       std::vector<std::uint64_t> columns(static_cast<std::size_t>(lattice.bins_x()), 0);
       for (int row = first; row < last; ++row)
         for (int column = 0; column < lattice.bins_x(); ++column)
@@ -96,7 +96,7 @@ TEST(Tiles, OfGridsWithMoreThan32BitsOfNodesAndPointsCoverEachRowOnce) {
             lattice.bin_count() - 1);
   constexpr std::uint64_t kMost = std::uint64_t{6} << 30U;
   const std::vector<Tile> tiles =
-      cut_into_tiles(lattice, 5, kMost, lattice.ny, rows, [](int, int) { return std::vector<std::uint64_t>(); });
+      cut_into_tiles(lattice, 5, kMost, lattice.ny, 0, rows, [](int, int) { return std::vector<std::uint64_t>(); });
   ASSERT_GT(tiles.size(), 1U);
   EXPECT_GT(tiles.front().points, std::uint64_t{1} << 32U);
   int row = 0;
