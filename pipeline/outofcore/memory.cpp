@@ -14,7 +14,8 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr std::uint64_t kProgram = 70'000'000;  // code, libraries, buffers
+constexpr std::uint64_t kProgram = 70'000'000;      // code, libraries, buffers
+constexpr std::uint64_t kBeforeTiles = 50'000'000;  // of these what is there before points are measured, on disk
 constexpr std::uint64_t kLeastTilePoints = 100'000;
 
 // Bytes per point of a cloud in memory and what its projection sorts; filters need no more, but for voxels, for what
@@ -112,7 +113,7 @@ std::uint64_t bytes_with_sides(const ScanAmount& scans, std::uint64_t side_bytes
 }
 
 void require_room_for_sides(const MemoryLimit& limit, std::uint64_t side_bytes) {
-  const std::uint64_t needed = kProgram + side_bytes;
+  const std::uint64_t needed = kBeforeTiles + side_bytes;
   if (limit.bytes == 0 || needed <= limit.bytes) return;
   throw Error(ErrorKind::failure, {},
               fmt::format("to tell the sides of this object apart takes about {} MB, more than the limit of {} MB",
@@ -215,7 +216,7 @@ bool nodes_fit(const MemoryLimit& limit, std::uint64_t node_bytes, std::uint64_t
 std::uint64_t bytes_with_tile(const MemoryLimit& limit, std::uint64_t points, std::uint64_t bytes_per_point,
                               const scene::Lattice& lattice) {
   const double heights = kHeights * static_cast<double>(lattice.count());
-  return kProgram + limit.beside + resident_bytes(limit, static_cast<std::uint64_t>(heights)) +
+  return std::max(kProgram, kBeforeTiles + limit.beside) + resident_bytes(limit, static_cast<std::uint64_t>(heights)) +
          points * bytes_per_point;
 }
 
