@@ -117,8 +117,6 @@ class Builder {
       build_in_memory(scans);
     } catch (const DoesNotFit& needed) {
       result_ = {};
-      std::optional<system::ThriftyHeap> thrifty;
-      if (limit_.bytes > 0) thrifty.emplace();
       grid_ = config_.grid;
       oriented_ = !config_.orientation.face.has_value();
       if (shared()) require_points_for_ranks(config_, scans.faces());
@@ -440,7 +438,7 @@ class Builder {
     cloud->stations = scans.stations();
     const std::vector<scene::FilterConfig> rest(filters_.begin() + static_cast<std::ptrdiff_t>(leading) + 1,
                                                 filters_.end());
-    const auto approve_sides = [&](std::uint64_t bytes) { require_room_for_sides(limit_, bytes); };
+    const auto approve_sides = [&](std::uint64_t bytes) { require_room_for_sides(bytes); };
     const auto approve_nodes = [&](const scene::Lattice& lattice, const ProjectionNeeds& needs) {
       const std::uint64_t nodes = node_bytes(scans, lattice);
       limit_.beside = needs.column_bytes + needs.kept_side_bytes(static_cast<double>(cloud->size()));
@@ -459,6 +457,16 @@ class Builder {
     build_cloud(cloud, rest, points, std::move(steps), {approve_sides, approve_nodes});
   }
 
+  /// Discs and what tells sides apart take and free arrays of many sizes, which a heap that is kept would add up.
+  void save_memory() {
+    if (limit_.bytes > 0 && !thrifty_) thrifty_.emplace();
+  }
+
+  void require_room_for_sides(std::uint64_t bytes) {
+    pipeline::require_room_for_sides(limit_, bytes);
+    save_memory();
+  }
+
   // Before points go to disk, where a sample already tells that the limit cannot hold.
   void require_room_by_sample(const ScanSet& scans) const {
     if (!filters_.empty() || !oriented_) return;
@@ -468,7 +476,7 @@ class Builder {
     MemoryLimit limit = limit_;
     limit.nodes_on_disk = may_put_nodes_on_disk();
     const auto all = static_cast<double>(scans.points());
-    require_room_for_sides(limit, grid->needs.side_bytes(all));
+    pipeline::require_room_for_sides(limit, grid->needs.side_bytes(all));
     limit.beside = grid->needs.kept_side_bytes(all);
     require_room_about_nodes(limit, scans.sample_m(), scans.points(), scan_to_grid_, *grid);
     require_room_likely(limit, checks() ? &*config_.check : nullptr, scans.points(), node_bytes(scans, grid->lattice),
@@ -498,7 +506,7 @@ class Builder {
 
     use_sample(sample_m, cloud.stations);
     progress_.begin("project");
-    const auto approve_sides = [&](std::uint64_t bytes) { require_room_for_sides(limit_, bytes); };
+    const auto approve_sides = [&](std::uint64_t bytes) { require_room_for_sides(bytes); };
     TiledProjection tiled(std::move(cloud), scan_to_grid_, config_.grid, config_.haptics.resolution_m, options_.ranks,
                           approve_sides, {pool_, progress_});
     const scene::Lattice& lattice = tiled.plan().lattice;
@@ -506,6 +514,7 @@ class Builder {
     const std::uint64_t nodes = node_bytes(scans, lattice);
     const std::uint64_t bytes_per_point = tiled.needs().bytes_per_point;
     limit_.beside = tiled.needs().kept_side_bytes(tiled.needs().points);
+    if (tiled.plan().discs) save_memory();
     put_nodes_on_disk_unless_they_fit(nodes, bytes_per_point, sample_bytes, lattice);
     if (!limit_.nodes_on_disk) require_room(lattice, nodes);
     const std::uint64_t tile_points = points_of_a_tile(limit_, nodes, bytes_per_point, sample_bytes, lattice);
@@ -538,6 +547,7 @@ class Builder {
   bool z_up_ = false;
   scene::GridConfig grid_;
   MemoryLimit limit_;
+  std::optional<system::ThriftyHeap> thrifty_;
   std::vector<scene::FilterConfig> filters_;
   ProjectedScans result_;
 };
