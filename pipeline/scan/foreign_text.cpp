@@ -41,6 +41,28 @@ bool next_content(LineReader& lines, std::string_view& line) {
 
 }  // namespace
 
+bool is_tecplot_mesh(std::string_view text) {
+  constexpr std::size_t kLooked = 1 << 14;
+  LineReader lines(text.substr(0, kLooked));
+  std::string_view line;
+  bool zone = false;
+  while (lines.next(line)) {
+    std::string_view content = trimmed(line);
+    std::string words = lower_case(content);
+    std::erase_if(words, [](char c) { return c == ' ' || c == '\t' || c == '"'; });
+    double number = 0.0;
+    if (zone && parse_number(content.data(), content.data() + content.size(), number) != nullptr) return false;
+    zone = zone || words.starts_with("zone");
+    if (!zone) continue;
+    constexpr std::array<std::string_view, 8> kSigns = {",et=",    "zonetype=fe", "f=fe",          "datapacking=block",
+                                                        "f=block", ",elements=",  "zoneelements=", "zoneet="};
+    if (std::any_of(kSigns.begin(), kSigns.end(),
+                    [&](std::string_view sign) { return words.find(sign) != std::string::npos; }))
+      return true;
+  }
+  return false;
+}
+
 bool is_iges(std::string_view text) {
   constexpr std::size_t kLetter = 72, kLength = 80;
   LineReader lines(text);

@@ -36,6 +36,9 @@ namespace sparsha::pipeline {
 [[nodiscard]] bool is_colmap_visibility(std::string_view bytes);
 /// A chunk 4D4D as long as the file, with a version or a mesh editor's chunk in it: 3DS.
 [[nodiscard]] bool is_3ds(std::string_view bytes);
+/// A Tecplot file whose first zone is of finite elements or holds a column behind the other: rows of its zones are not
+/// points alone.
+[[nodiscard]] bool is_tecplot_mesh(std::string_view text);
 /// A list or an object of JSON, as far as its first characters tell.
 [[nodiscard]] bool is_json(std::string_view text);
 /// The same, where the first 64 kB hold all of those words.

@@ -84,6 +84,7 @@ struct RawScan {
   std::vector<std::string> fields;         ///< "x", "y", "z", "red", ...
   std::vector<FieldTally> tallies;         ///< of valid points
   std::optional<scene::LengthUnit> unit;   ///< what the format says
+  bool several_units = false;              ///< remarks give several, of which none is taken
   bool degrees = false;                    ///< x and y are longitude and latitude: shown by info, refused by load_scan
   bool guessed_degrees = false;  ///< so it seems, though the file does not say so; a configured unit overrules it
   std::size_t scans = 1;         ///< scans within the file

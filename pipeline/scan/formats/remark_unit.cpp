@@ -15,7 +15,7 @@ constexpr std::size_t kLongest = 4096;
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || static_cast<unsigned char>(c) >= 0x80; }
 
 std::string_view without_signs(std::string_view word) {
-  constexpr std::string_view kSigns = " \t\r\"'()[]{}<>.,;#*/";
+  constexpr std::string_view kSigns = " \t\r\"'()[]{}<>.,;#*/%!";
   const std::size_t begin = word.find_first_not_of(kSigns);
   if (begin == std::string_view::npos) return {};
   return word.substr(begin, word.find_last_not_of(kSigns) + 1 - begin);
@@ -50,6 +50,9 @@ std::string unit_in_remark(std::string_view remark) {
   if (sign == std::string_view::npos) return {};
   const bool told = rest[sign] == '=' || rest[sign] == ':';
   rest.remove_prefix(told ? sign + 1 : sign);
+  if (const std::string_view whole = without_signs(rest);
+      whole.find(' ') != std::string_view::npos && unit_named(whole) != NamedUnit::none)
+    return std::string(whole);  // of several words: "US survey feet"
   std::string_view word = without_signs(take_word(rest));
   while (is_one_of(word, " are is in ") && !without_signs(rest).empty()) word = without_signs(take_word(rest));
   // Behind a sign a remark may go on; without one the unit is its last word. "units in" says nothing.
@@ -64,8 +67,15 @@ bool gives_unit(std::string_view remark) {
 
 bool take_unit_of_remark(std::string_view remark, int line, RawScan& scan) {
   if (!gives_unit(remark)) return false;
-  if (scan.unit) return true;
   const std::string word = unit_in_remark(remark);
+  if (scan.unit) {
+    if (length_of(unit_named(word)) == scan.unit) return true;
+    scan.unit.reset();
+    scan.several_units = true;
+    scan.warnings.push_back("a remark on line " + std::to_string(line) + " gives the coordinates in " +
+                            in_quotes(word) + ", after another unit; neither is taken");
+    return true;
+  }
   scan.unit = length_of(unit_named(word));
   if (scan.unit) {
     scan.notes.push_back("the unit is that of a remark on line " + std::to_string(line));

@@ -162,6 +162,18 @@ TEST(ForeignFiles, DocumentsArchivesAndPicturesAreNamed) {
                true);
   expect_named("north: 2\nsouth: 0\neast: 2\nwest: 0\nrows: 2\ncols: 2\n1 2\n3 4\n", "a GRASS ASCII grid", true);
   expect_named("Rar!\x1A\x07\0"sv, "a rar archive");
+  const std::string tecplot = "TITLE = \"a\"\nVARIABLES = \"X\", \"Y\", \"Z\"\n";
+  for (const char* zone :
+       {"ZONE N=3, E=1, F=FEPOINT, ET=TRIANGLE", "ZONE T=\"a\", NODES=3, ELEMENTS=1, DATAPACKING=POINT",
+        "Zone Nodes = 3\nZONETYPE = FETriangle", "ZONE I=3, F=BLOCK"}) {
+    expect_named(tecplot + zone + "\n0 0 0\n1 0 0\n0 1 0\n1 2 3\n", "a mesh or blocks of columns of Tecplot", true);
+  }
+}
+
+TEST(ForeignFiles, ATecplotZoneOfPointsIsATable) {
+  const ScanFolder folder;
+  const std::string text = "TITLE=\"a\"\nVARIABLES=\"X\",\"Y\",\"Z\"\nZONE I=4, F=POINT\n1 2 3\n4 5 6\n7 8 9\n1 5 9\n";
+  EXPECT_EQ(folder.read("a.dat", text).records, 4U);
 }
 
 TEST(ForeignFiles, ANameOfAColumnIsNoMark) {

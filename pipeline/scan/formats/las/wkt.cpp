@@ -27,7 +27,17 @@ class Parser {
  public:
   explicit Parser(std::string_view text) : p_(text.data()), end_(text.data() + text.size()) {}
 
-  Element parse() { return element(0); }
+  /// All elements one behind the other: ESRI writes the system of heights after that of x and y.
+  std::vector<Element> parse() {
+    std::vector<Element> elements;
+    while (p_ < end_) {
+      const char* const before = p_;
+      elements.push_back(element(0));
+      if (p_ == before) ++p_;
+      skip();
+    }
+    return elements;
+  }
 
  private:
   static constexpr int kDeepest = 64;
@@ -96,7 +106,7 @@ void read_system(const Element& system, WktUnits& units) {
     const Element* kind = cs != nullptr && !cs->children.empty() ? &cs->children.front() : nullptr;
     units.geographic = kind == nullptr || kind->keyword == "ellipsoidal";
     if (!units.geographic) units.horizontal_m = unit_of(system);
-  } else if (keyword == "vert_cs" || keyword == "vertcrs" || keyword == "verticalcrs") {
+  } else if (keyword == "vert_cs" || keyword == "vertcs" || keyword == "vertcrs" || keyword == "verticalcrs") {
     units.vertical_m = unit_of(system);
   }
 }
@@ -105,7 +115,7 @@ void read_system(const Element& system, WktUnits& units) {
 
 WktUnits parse_wkt_units(std::string_view text) {
   WktUnits units;
-  read_system(Parser(text.substr(0, text.find('\0'))).parse(), units);
+  for (const Element& system : Parser(text.substr(0, text.find('\0'))).parse()) read_system(system, units);
   return units;
 }
 

@@ -166,7 +166,7 @@ class Reader {
       line.remove_prefix(static_cast<std::size_t>(begin - line.data()));
       if (is_vertex(line)) return;
       if (line.empty() || line[0] != '#') continue;
-      if (take_unit_of_remark(line, lines.number(), out_.scan())) return;
+      if (!out_.scan().several_units) take_unit_of_remark(line, lines.number(), out_.scan());
     }
   }
 

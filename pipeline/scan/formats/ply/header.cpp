@@ -177,10 +177,9 @@ Header parse_header(const ScanFile& file) {
     if (key == "end_header") break;
     if (key == "comment") add_note(line, header);
     const bool remark = key == "comment" || key == "obj_info";
-    if (remark && header.unit_line == 0 && gives_unit(line)) {
-      header.unit_remark = line;
-      header.unit_line = lines.number();
-    }
+    constexpr std::size_t kMostRemarks = 64;
+    if (remark && header.unit_remarks.size() < kMostRemarks && gives_unit(line))
+      header.unit_remarks.emplace_back(line, lines.number());
     if (key.empty() || remark) continue;
     if (key == "format") {
       parse_format(file, lines.number(), line, header);

@@ -206,7 +206,8 @@ void read_ply(const ScanFile& file, ScanWriter& out) {
 
   RawScan& scan = out.scan();
   scan.notes = header.notes;
-  take_unit_of_remark(header.unit_remark, header.unit_line, scan);
+  for (const auto& [remark, line] : header.unit_remarks)
+    if (!scan.several_units) take_unit_of_remark(remark, line, scan);
   for (const ply::Property& property : vertex->properties) scan.fields.push_back(property.name);
   const bool ascii = header.encoding == ply::Encoding::ascii;
   scan.format = ascii                                      ? "PLY ascii"

@@ -52,10 +52,9 @@ struct Header {
   std::vector<Element> elements;
   std::size_t body = 0;  ///< offset of the first byte behind the header
   int lines = 0;
-  std::vector<std::string> notes;     ///< software and textures that its remarks name
-  std::vector<std::string> textures;  ///< in the order of their numbers
-  std::string unit_remark;            ///< the first that gives a unit, see remark_unit.h
-  int unit_line = 0;
+  std::vector<std::string> notes;                         ///< software and textures that its remarks name
+  std::vector<std::string> textures;                      ///< in the order of their numbers
+  std::vector<std::pair<std::string, int>> unit_remarks;  ///< lines that give the unit, and their numbers
 };
 
 [[nodiscard]] Header parse_header(const ScanFile& file);

@@ -280,8 +280,8 @@ NamedUnit unit_named(std::string_view text) {
       {NamedUnit::metre, " m meter metre meters metres mtr metri metros "},
       {NamedUnit::centimetre, " cm centimeter centimetre centimeters centimetres "},
       {NamedUnit::millimetre, " mm millimeter millimetre millimeters millimetres "},
-      {NamedUnit::foot, " ft feet foot ift intft "},
-      {NamedUnit::us_foot, " usft ftus usfeet usfoot ussurveyfoot ussurveyfeet sft "},
+      {NamedUnit::foot, " ft feet foot ift intft internationalfeet internationalfoot "},
+      {NamedUnit::us_foot, " usft ftus usfeet usfoot ussurveyfoot ussurveyfeet surveyfeet surveyfoot sft "},
       {NamedUnit::degree, " deg degree degrees dd \xC2\xB0 \xB0 "},
       {NamedUnit::unknown, " in inch inches km dm um \xC2\xB5m \xCE\xBCm nm yd px pixel "},
   };

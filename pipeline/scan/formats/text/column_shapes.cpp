@@ -94,13 +94,19 @@ bool is_constant(const std::vector<TableRow>& sample, std::size_t usual, std::si
                      [&](const TableRow& row) { return row.count != usual || row.values[column] == value; });
 }
 
-bool may_be_north_first(const std::vector<TableRow>& sample, std::size_t usual) {
-  constexpr double kLeastNorth = 3.8e6, kMostNorth = 1e7;  // UTM beyond 34 degrees: eastings are 1.6e5 to 8.4e5 m
-  constexpr double kLeastEast = 1.6e5, kMostEast = 8.4e5;
-  if (usual < 3) return false;
-  return std::all_of(sample.begin(), sample.end(), [&](const TableRow& row) {
-    return row.values[0] >= kLeastNorth && row.values[0] <= kMostNorth && row.values[1] >= kLeastEast &&
-           row.values[1] <= kMostEast;
+bool may_be_north_first(const std::vector<TableRow>& sample, int x, int y) {
+  struct Grid {
+    double least_north, most_north, least_east, most_east;  // metres
+  };
+  // UTM beyond 34 degrees; Gauss-Krueger with the zone's number, which says 5 where it could be a northing; LV95.
+  static constexpr std::array<Grid, 3> kGrids{
+      {{3.8e6, 1e7, 1.6e5, 8.4e5}, {4.9e6, 6.3e6, 2.2e6, 4.8e6}, {1.07e6, 1.3e6, 2.48e6, 2.84e6}}};
+  return std::any_of(kGrids.begin(), kGrids.end(), [&](const Grid& grid) {
+    return std::all_of(sample.begin(), sample.end(), [&](const TableRow& row) {
+      if (!row.has_number(x) || !row.has_number(y)) return false;
+      const double north = row.values[static_cast<std::size_t>(x)], east = row.values[static_cast<std::size_t>(y)];
+      return north >= grid.least_north && north <= grid.most_north && east >= grid.least_east && east <= grid.most_east;
+    });
   });
 }
 

@@ -30,8 +30,9 @@ namespace sparsha::pipeline {
 /// Whether a column holds the same value in all rows.
 [[nodiscard]] bool is_constant(const std::vector<TableRow>& sample, std::size_t usual, std::size_t column);
 
-/// Whether the first two columns have the sizes of a northing and an easting of UTM, in metres.
-[[nodiscard]] bool may_be_north_first(const std::vector<TableRow>& sample, std::size_t usual);
+/// Whether what is taken as x has the size of a northing, and what is taken as y that of an easting: of UTM, of
+/// Gauss-Krueger with the zone's number or of the Swiss LV95, in metres.
+[[nodiscard]] bool may_be_north_first(const std::vector<TableRow>& sample, int x, int y);
 
 /// Unit vectors, not all of which point one way: as programs write normals behind coordinates.
 /// Behind colours that are enough: a flat wall's normals may all have the same side.

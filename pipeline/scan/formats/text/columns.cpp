@@ -50,7 +50,7 @@ void doubt_first_three(TableColumns& columns, const std::vector<TableRow>& sampl
     columns.warnings.emplace_back(
         "the first three columns are steps of 1/255 from 0 to 1, as colours are, and are taken as x, y and z; if the "
         "coordinates stand behind them, 'columns: [red, green, blue, x, y, z]' of the scan says so");
-  } else if (may_be_north_first(sample, usual)) {
+  } else if (may_be_north_first(sample, 0, 1)) {
     columns.warnings.emplace_back(
         "the first column has the size of northings and the second that of eastings, and they are taken as x and y; if "
         "north stands first, 'columns: [y, x, z]' of the scan says so, else the object is mirrored");
@@ -310,6 +310,16 @@ TableColumns named_columns(const TableHeader& header, const HeaderPlace& place, 
     columns.warnings.push_back("the header says which of its x and y is north: x, to the east, is its column '" +
                                header.names[index(named.xyz[0])] + "', and y '" + header.names[index(named.xyz[1])] +
                                "'");
+  }
+  if (!named.exchanged && may_be_north_first(sample, columns.x, columns.y)) {
+    columns.warnings.emplace_back(
+        "x has the size of northings and y that of eastings, as where surveyors call north X; if they are that, "
+        "'columns' of the scan with x and y exchanged says so, else the object is mirrored");
+  }
+  if (header.units[index(named.xyz[2])] == "down") {
+    columns.warnings.emplace_back(
+        "the header says that z points down, and z is taken as it is: hollows and raised places are exchanged; a "
+        "'pose' of the scan with -1 for z turns it over");
   }
   if (named.other_set) {
     columns.warnings.push_back("the header names several sets of coordinates; " + place_text(columns) +

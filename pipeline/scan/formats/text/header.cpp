@@ -121,6 +121,13 @@ void join_words(TableHeader& header, bool join) {
       units.push_back(header.units[k]);
     }
   }
+  // "x y z in mm"
+  if (const std::size_t n = names.size(); n == 5 && names[3] == "in" && length_of(unit_named(names[4]))) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (units[k].empty()) units[k] = names[4];
+    names.resize(3);
+    units.resize(3);
+  }
   constexpr std::string_view kLabels = " columns column fields field format variables cols ";
   if (names.size() > 3 && is_one_of(letters_of(names.front()), kLabels)) {
     names.erase(names.begin());

@@ -2,6 +2,7 @@
 #include "pipeline/scan/formats/text/file_rows.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "pipeline/scan/formats/text/columns.h"
 #include "pipeline/scan/formats/text/first_column.h"
 #include "pipeline/scan/formats/text/first_lines.h"
+#include "pipeline/scan/formats/text/header.h"
 #include "pipeline/scan/formats/text/layout.h"
 #include "pipeline/scan/formats/text/no_data.h"
 #include "pipeline/scan/formats/text/rows.h"
@@ -46,7 +48,9 @@ class Reader {
       if (line == "\x1A" && lines.offset() == file_.bytes.size()) break;  // an end of file as DOS wrote it
       switch (parse_table_row(line, layout_.style, row)) {
         case RowKind::blank:
+          break;
         case RowKind::comment:
+          if (rows_ > 0) refuse_other_table(line, lines.number());
           break;
         case RowKind::words:
           if (lines.number() >= layout_.first_row && line != layout_.header) {
@@ -89,7 +93,7 @@ class Reader {
     if (columns().track >= 0) scan.notes.emplace_back(kColmapNote);
     scan.degrees = columns().degrees;
     scan.unit = layout_.unit;
-    if (!scan.degrees) take_unit_of_remark(layout_.unit_remark, layout_.unit_line, scan);
+    if (!scan.degrees && !scan.unit) take_unit_of_remark(layout_.unit_remark, layout_.unit_line, scan);
     needed_ = columns().needed();
     ask_for_fields();
     out_.begin(0, columns().has_colour(), columns().intensity >= 0, columns().has_normals());
@@ -115,6 +119,30 @@ class Reader {
                          columns().y + 1, columns().z + 1);
     }
     return std::to_string(std::max<std::size_t>(columns().usual, 3)) + " numbers";
+  }
+
+  /// A remark between rows that names other columns, or gives another unit, begins another table.
+  void refuse_other_table(std::string_view line, int number) const {
+    constexpr std::size_t kLongest = 4096;
+    if (line == layout_.header || line.size() > kLongest || columns().by == TextTable::By::configuration) return;
+    const auto refuse = [&](const char* what) {
+      throw file_.error_at(number, in_quotes(line) + what, "one table in a file, or 'columns' of the scan");
+    };
+    if (const NamedUnit unit = unit_named(unit_in_remark(line)); unit != NamedUnit::none) {
+      const bool differs = length_of(unit) != out_.scan().unit && out_.scan().unit.has_value();
+      if (differs) refuse(" gives the rows behind it another unit");
+      return;
+    }
+    const TableHeader other = parse_header(line);
+    if (!other.columns.complete() || other.prose) return;
+    if (columns().by == TextTable::By::names) {
+      const TableHeader own = parse_header(layout_.header);
+      if (own.names != other.names) refuse(" names other columns than the header");
+      if (own.units != other.units && unit_of(own).unit != unit_of(other).unit)
+        refuse(" gives the rows behind it another unit");
+    } else if (other.columns.xyz != std::array<int, 3>{columns().x, columns().y, columns().z}) {
+      refuse(" names other columns than those that were read before it");
+    }
   }
 
   void point(const TableRow& row, int line) {
@@ -261,7 +289,7 @@ class Reader {
 
   void take_columns_of(const std::vector<TableRow>& sample) {
     TableColumns found = columns_by_position(sample, file_.extension == "pts");
-    if (found.usual == columns().usual) return;
+    if (found.usual == columns().usual && found.words() == columns().words()) return;
     layout_.columns = std::move(found);
     needed_ = columns().needed();
     ask_for_fields();

@@ -152,5 +152,14 @@ TEST(ObjReader, TheUnitOfARemarkIsTakenOrSaid) {
   }
 }
 
+TEST(ObjReader, OfSeveralUnitsNoneIsTaken) {
+  const ScanFolder folder;
+  const std::string body = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  EXPECT_EQ(folder.read("a.obj", "# File units = mm\n# units: mm\n" + body).unit, scene::LengthUnit::mm);
+  const RawScan scan = folder.read("b.obj", "# File units = mm\n# File units = m\n# units: cm\n" + body);
+  EXPECT_EQ(scan.unit, std::nullopt);
+  EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("neither is taken")));
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline

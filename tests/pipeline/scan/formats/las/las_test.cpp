@@ -93,7 +93,12 @@ TEST(LasReader, FindsUnitsInGeoKeys) {
   EXPECT_EQ(units_of({{1024, 1}, {3076, 9002}}).unit, scene::LengthUnit::ft);
   EXPECT_EQ(units_of({{1024, 1}, {3076, 9003}}).unit, scene::LengthUnit::us_ft);
   EXPECT_EQ(units_of({{1024, 1}, {3072, 32617}}).unit, scene::LengthUnit::m) << "UTM is in metres";
+  EXPECT_EQ(units_of({{1024, 1}, {3072, 26918}}).unit, scene::LengthUnit::m) << "so are other systems' zones";
+  EXPECT_EQ(units_of({{1024, 1}, {3072, 2056}}).unit, scene::LengthUnit::m) << "and national grids";
   EXPECT_EQ(units_of({{1024, 1}, {3072, 2285}}).unit, std::nullopt);
+  const RawScan heights_alone = units_of({{1024, 1}, {3072, 2285}, {4099, 9002}});
+  EXPECT_EQ(heights_alone.unit, std::nullopt);
+  EXPECT_THAT(heights_alone.warnings, ::testing::ElementsAre(::testing::HasSubstr("units of 0.3048 m")));
   EXPECT_TRUE(units_of({{1024, 2}, {2048, 4326}}).degrees);
   const RawScan mixed = units_of({{1024, 1}, {3076, 9001}, {4099, 9002}});
   EXPECT_EQ(mixed.unit, scene::LengthUnit::m);
@@ -112,6 +117,13 @@ TEST(LasReader, FindsUnitsInWellKnownText) {
       R"(COMPD_CS["a + b",PROJCS["a",GEOGCS["g",UNIT["degree",0.017]],UNIT["metre",1]],VERT_CS["b",UNIT["foot",0.3048]]])");
   EXPECT_EQ(compound.horizontal_m, 1.0);
   EXPECT_EQ(compound.vertical_m, 0.3048);
+  for (const char* text :
+       {R"(PROJCS["a",GEOGCS["g",UNIT["Degree",0.017]],UNIT["Meter",1.0]],VERTCS["b",VDATUM["c"],UNIT["Foot_US",0.3]])",
+        R"(COMPD_CS["ab",PROJCS["a",UNIT["Meter",1.0]],VERTCS["b",UNIT["Foot_US",0.3]]])"}) {
+    const auto esri = parse_wkt_units(text);
+    EXPECT_EQ(esri.horizontal_m, 1.0) << text;
+    EXPECT_EQ(esri.vertical_m, 0.3) << text;
+  }
   EXPECT_TRUE(parse_wkt_units(R"(GEOGCS["WGS 84",UNIT["degree",0.0174532925199433]])").geographic);
   EXPECT_TRUE(parse_wkt_units(R"(GEOGCRS["WGS 84",CS[ellipsoidal,2]])").geographic);
   EXPECT_EQ(

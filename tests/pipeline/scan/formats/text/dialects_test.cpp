@@ -1,8 +1,10 @@
 // Tables as other programs and people write them, that must not be read as something else: what is refused says why.
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "tests/support/scan_files.h"
@@ -172,5 +174,102 @@ TEST(Dialects, ZeroBytesBehindTheRowsAreSaidToBeThat) {
   expect_refused("t.csv", rows("", "0.5 0.25 0.", 400) + std::string(512, '\0'), "zero bytes in place of", 401);
 }
 
+/// A relief of 20 x 30 points, millimetres or metres, whose rows are as `row` writes them.
+template <typename Write>
+std::string relief(const std::string& header, const Write& row) {
+  std::string text = header;
+  for (int k = 0; k < 600; ++k) {
+    const double x = 0.004 * (k % 30), y = 0.005 * (k / 30), z = 0.01 * ((k % 30) * (k / 30) % 7);
+    text += row(x, y, z) + "\n";
+  }
+  return text;
+}
+std::string three(const char* separator, double a, double b, double c) {
+  return fmt::format("{:.4f}{}{:.4f}{}{:.4f}", a, separator, b, separator, c);
+}
+
+TEST(Dialects, NorthingsAsXAreDoubtedWhetherNamedOrNot) {
+  using ::testing::Contains;
+  using ::testing::HasSubstr;
+  using ::testing::Not;
+  struct Grid {
+    double east, north;
+  };
+  const testing::ScanFolder folder;
+  const auto read = [&](const std::string& header, const Grid& grid, bool swapped) {
+    return folder.read("t.csv", relief(header, [&](double x, double y, double z) {
+                         const double e = grid.east + x, n = grid.north + y;
+                         return swapped ? three(";", n, e, z) : three(";", e, n, z);
+                       }));
+  };
+  const auto doubted = Contains(HasSubstr("has the size of northings"));
+  for (const Grid& grid : {Grid{432000, 5412000}, Grid{3456000, 5432000}, Grid{2600000, 1200000}}) {
+    SCOPED_TRACE(grid.east);
+    EXPECT_THAT(read("", grid, true).warnings, doubted);
+    EXPECT_THAT(read("X;Y;Z\n", grid, true).warnings, doubted);
+    EXPECT_THAT(read("Y;X;Z\n", grid, false).warnings, doubted) << "surveyors' X is north";
+    EXPECT_THAT(read("", grid, false).warnings, Not(doubted));
+    EXPECT_THAT(read("X;Y;Z\n", grid, false).warnings, Not(doubted));
+    EXPECT_THAT(read("northing;easting;Z\n", grid, true).warnings, Not(doubted));
+  }
+  EXPECT_THAT(read("Y;X;Z\n", {0, 0}, false).warnings, Not(doubted));
+}
+
+TEST(Dialects, ARemarkBetweenRowsThatBeginsAnotherTableIsRefused) {
+  const auto row = [](double x, double y, double z) { return three(",", x, y, z); };
+  const std::string body = relief("", row);
+  const std::string named = "# X,Y,Z\n" + body;
+  expect_read(named + "# X,Y,Z\n" + body);
+  expect_read(named + "# second part, from the north\n" + body);
+  expect_read(body + "# X,Y,Z\n" + body);
+  expect_refused("t.csv", named + "# Y,X,Z\n" + body, "names other columns than the header", 602);
+  expect_refused("t.csv", "//X Y Z\n" + body + "//Y X Z\n" + body, "names other columns", 602);
+  expect_refused("t.csv", body + "# Y,X,Z\n" + body, "names other columns than those that were read", 601);
+  expect_refused("t.csv", "# X[m],Y[m],Z[m]\n" + body + "# X[mm],Y[mm],Z[mm]\n" + body, "another unit", 602);
+  expect_refused("t.csv", "# Units: m\n" + body + "# Units: mm\n" + body, "another unit", 602);
+  expect_read("# Units: m\n" + body + "# Units: metres\n" + body);
+}
+
+TEST(Dialects, UnitsOfSeveralWordsAndOfOtherRemarksAreTaken) {
+  const testing::ScanFolder folder;
+  const auto unit_of = [&](const std::string& remark) {
+    return folder.read("t.txt", relief(remark + "\n", [](double x, double y, double z) { return three(" ", x, y, z); }))
+        .unit;
+  };
+  for (const char* remark : {"% Units: mm", "! Units: mm", "# X Y Z in mm"})
+    EXPECT_EQ(unit_of(remark), scene::LengthUnit::mm) << remark;
+  for (const char* remark : {"# Units: US survey feet", "# Units: survey feet", "# units = US Survey Foot"})
+    EXPECT_EQ(unit_of(remark), scene::LengthUnit::us_ft) << remark;
+  EXPECT_EQ(unit_of("# Units: international feet"), scene::LengthUnit::ft);
+  EXPECT_EQ(unit_of("# Units of the accuracy: US survey feet"), std::nullopt);
+  EXPECT_EQ(unit_of("# X Y Z in the order of the scan"), std::nullopt);
+}
+
+TEST(Dialects, BlocksOfAsManyColumnsMayMeanOthers) {
+  const testing::ScanFolder folder;
+  std::string text = "600\n", normals = "600\n";
+  int k = 0;
+  text += relief("", [&](double x, double y, double z) {
+    ++k;
+    return three(" ", x, y, z) + fmt::format(" {} {} {}", k % 256, 255 - k % 256, k * 7 % 256);
+  });
+  normals += relief("", [&](double x, double y, double z) {
+    ++k;
+    const double a = 0.01 * (k % 100);
+    return three(" ", x, y, z) + fmt::format(" {:.6f} {:.6f} 0.0", std::cos(a + 1.0), std::sin(a + 1.0));
+  });
+  const RawScan scan = folder.read("t.pts", text + normals);
+  ASSERT_EQ(scan.records, 1200U);
+  EXPECT_EQ(scan.rgba[1] & 0xFFFFFFU, 0x0EFD02U);
+  EXPECT_EQ(scan.rgba[700], kNoColour) << "a normal is no colour";
+}
+
+TEST(Dialects, HeightsThatPointDownAreSaid) {
+  const testing::ScanFolder folder;
+  const auto row = [](double x, double y, double z) { return three(",", x, y, z); };
+  const auto said = ::testing::Contains(::testing::HasSubstr("z points down"));
+  EXPECT_THAT(folder.read("t.csv", relief("X,Y,Z (down)\n", row)).warnings, said);
+  EXPECT_THAT(folder.read("t.csv", relief("X,Y,Z (up)\n", row)).warnings, ::testing::Not(said));
+}
 }  // namespace
 }  // namespace sparsha::pipeline
