@@ -411,7 +411,7 @@ void ScanSet::require_surface() const {
   for (std::size_t s = 0; s < scans_.size(); ++s) {
     if (scans_[s]->valid > 0) files.push_back(configs_[s].file.string());
   }
-  pipeline::require_surface(names_together(files), sample_m_, points_);
+  pipeline::require_surface(names_together(files), files.size(), sample_m_, points_);
 }
 
 void ScanSet::require_fields() const {

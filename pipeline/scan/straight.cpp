@@ -113,10 +113,13 @@ std::string described(const StraightLine& line, const std::function<std::string(
   return "the points lie on a straight line, " + length(line.length) + " long and " + length(line.across) + " across";
 }
 
-void require_surface(const std::string& file, const std::vector<Eigen::Vector3d>& sample_m, std::uint64_t points) {
+void require_surface(const std::string& file, std::size_t files, const std::vector<Eigen::Vector3d>& sample_m,
+                     std::uint64_t points) {
   if (const auto line = straight_line(sample_m, points)) {
     throw input_error(file, described(*line, [](double metres) { return length_text(metres); }),
-                      "points that spread over a surface");
+                      files < 2 ? "points that spread over a surface"
+                                : "points that spread over a surface, and files of one frame: one with the coordinates "
+                                  "of a survey and one with local ones lie far apart");
   }
 }
 

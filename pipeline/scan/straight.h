@@ -26,7 +26,9 @@ struct StraightLine {
 /// What the line is, in words; `length` of them names a length.
 [[nodiscard]] std::string described(const StraightLine& line, const std::function<std::string(double)>& length);
 
-/// Throws Error{input} when the points, in metres, lie on a straight line or in one place.
-void require_surface(const std::string& file, const std::vector<Eigen::Vector3d>& sample_m, std::uint64_t points);
+/// Throws Error{input} when the points of so many files, in metres, lie on a straight line or in one place. `file`
+/// names them.
+void require_surface(const std::string& file, std::size_t files, const std::vector<Eigen::Vector3d>& sample_m,
+                     std::uint64_t points);
 
 }  // namespace sparsha::pipeline

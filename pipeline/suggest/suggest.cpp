@@ -314,7 +314,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   ScanNames names;
   const std::string scan_block = look_at(scans, folder, names, seen, points, pieces, worth, options, progress);
   require_extent(names.files[names.farthest], seen.points_m);
-  require_surface(names.all(), seen.points_m, seen.points_m.size());
+  require_surface(names.all(), names.files.size(), seen.points_m, seen.points_m.size());
   const std::string crop = crop_to_group(seen, points, progress);
   std::string filter_block = worth.comments();
   if (crop.empty()) {
