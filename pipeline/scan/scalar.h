@@ -58,10 +58,14 @@ template <bool big_endian = false>
 /// What the largest colour value means: 1, 255 or 65535.
 enum class ColourScale : std::uint8_t { unit, byte, word };
 
+/// Channels with fractions may lie so far beyond their scale: interpolation between pixels overshoots.
+inline constexpr double kColourOvershoot = 1.1;
+
 /// Guesses the scale from the largest channel value seen; only numbers with fractions can be of unit scale.
 [[nodiscard]] constexpr ColourScale colour_scale(double largest, bool fractions) {
-  if (largest > 255.0) return ColourScale::word;
-  return fractions && largest <= 1.0 ? ColourScale::unit : ColourScale::byte;
+  const double overshoot = fractions ? kColourOvershoot : 1.0;
+  if (largest > 255.0 * overshoot) return ColourScale::word;
+  return fractions && largest <= overshoot ? ColourScale::unit : ColourScale::byte;
 }
 
 [[nodiscard]] constexpr std::uint32_t colour_byte(double value, ColourScale scale) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/text/lower_case.h"
+#include "pipeline/scan/colour_sample.h"
 #include "pipeline/scan/scalar.h"
 #include "pipeline/scan/text.h"
 
@@ -183,26 +184,30 @@ class Reader {
     out_.begin(vertices_, colour_at_ > 0, false, kind_.normal);
   }
 
-  /// Looks at the colours of the first vertices: whether they can be some, and their scale.
+  /// Looks at the colours of vertices: whether they can be some, and their scale.
   bool are_colours(std::size_t at, std::size_t colours) {
-    constexpr std::uint64_t kLooked = 1000;
     Lines lines = first_lines_;
     std::string_view line = first_vertex_;
-    double largest = 0.0;
-    for (std::uint64_t v = 0; v < std::min(vertices_, kLooked); ++v) {
-      for (std::size_t k = 0; k < at + colours; ++k) {
-        const std::string_view text = take_word(line);
+    ColourRange range(true);
+    bool good = true;
+    std::uint64_t vertex = 0;
+    at_sampled_records(vertices_, [&](std::uint64_t v) {
+      for (; vertex < v; ++vertex) {
+        if (!lines.next(line)) return false;
+      }
+      std::string_view rest = line;
+      for (std::size_t k = 0; good && k < at + colours; ++k) {
+        const std::string_view text = take_word(rest);
         double value = 0.0;
         if (k < at) continue;
-        if (text.empty() || parse_number(text.data(), text.data() + text.size(), value) == nullptr || !(value >= 0.0)) {
-          return false;
-        }
-        largest = std::max(largest, value);
+        good = !text.empty() && parse_number(text.data(), text.data() + text.size(), value) != nullptr &&
+               value >= 0.0 && value <= 65535.0;
+        range.look(value);
       }
-      if (!lines.next(line)) break;
-    }
-    scale_ = colour_scale(largest, true);
-    return largest <= 65535.0;
+      return good;
+    });
+    scale_ = range.scale();
+    return good;
   }
 
   void read_vertices() {

@@ -134,6 +134,13 @@ class Hierarchy {
 
 }  // namespace
 
+std::vector<laz::Chunk> Octree::chunks() const {
+  std::vector<laz::Chunk> chunks;
+  chunks.reserve(nodes.size());
+  for (const Node& node : nodes) chunks.push_back(node.chunk);
+  return chunks;
+}
+
 int Octree::levels() const {
   int levels = 0;
   for (const Node& node : nodes) levels = std::max(levels, node.level + 1);

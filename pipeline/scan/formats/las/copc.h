@@ -29,6 +29,7 @@ struct Octree {
   Eigen::Vector3d step = Eigen::Vector3d::Zero();  ///< of stored coordinates
   std::vector<Node> nodes;                         ///< those with points, in the file's order
 
+  [[nodiscard]] std::vector<laz::Chunk> chunks() const;  ///< of the nodes, in the file's order
   [[nodiscard]] int levels() const;
   /// The node's cube and one step of the coordinates on each side: writers round points out of their cubes.
   [[nodiscard]] Box box_of(const Node& node) const;

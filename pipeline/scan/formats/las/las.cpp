@@ -101,10 +101,13 @@ std::vector<std::pair<std::size_t, std::size_t>> PointReader::used_bytes() const
 
 void PointReader::look(const char* point) {
   if (colour_ == 0) return;
-  for (std::size_t k = 0; k < 3; ++k) {
-    largest_ = std::max(largest_, static_cast<double>(load<std::uint16_t>(point + colour_ + 2 * k)));
-  }
-  scale_ = colour_scale(largest_, false);
+  for (std::size_t k = 0; k < 3; ++k) colours_.look(load<std::uint16_t>(point + colour_ + 2 * k));
+  scale_ = colours_.scale();
+}
+
+void PointReader::set_colours(const ColourRange& colours) {
+  colours_ = colours;
+  scale_ = colours_.scale();
 }
 
 void PointReader::add(const char* point) {
@@ -162,8 +165,11 @@ void read_las(const ScanFile& file, ScanWriter& out) {
   }
   out.begin(header.points, colour, true);
   const char* p = file.bytes.data() + header.first_point;
-  for (std::uint64_t i = 0; i < std::min<std::uint64_t>(header.points, 1000); ++i) {
-    reader.look(p + i * header.record_size);
+  if (colour) {
+    at_sampled_records(header.points, [&](std::uint64_t i) {
+      reader.look(p + i * header.record_size);
+      return !reader.colours().is_decided();
+    });
   }
   for (std::uint64_t i = 0; i < header.points; ++i, p += header.record_size) {
     reader.add(p);

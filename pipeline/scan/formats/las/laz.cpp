@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,13 +14,21 @@ namespace {
 
 constexpr std::uint64_t kWorthThreads = 100'000;  // points
 
-/// Hands records to the reader, which finds the range of the colours in the first ones.
+/// Hands records to the reader, which finds the range of the colours in the first ones, and in chunks behind them where
+/// these are known.
 class Arrivals {
  public:
-  Arrivals(const Header& header, PointReader& reader, ScanWriter& out)
-      : size_(header.record_size),
+  /// `chunks`: all of the file, or none.
+  Arrivals(const ScanFile& file, const Header& header, const laz::Source& source, std::vector<laz::Chunk> chunks,
+           PointReader& reader, ScanWriter& out)
+      : file_(file),
+        source_(source),
+        chunks_(std::move(chunks)),
+        size_(header.record_size),
         colour_(header.colour_offset() != 0),
-        sample_(std::min<std::uint64_t>(header.points, kColourSample)),
+        sample_(!colour_          ? 0
+                : chunks_.empty() ? std::min(header.points, kColourSample)
+                                  : std::min(chunks_.front().points, kColourRun)),
         reader_(reader),
         out_(out) {}
 
@@ -41,6 +50,7 @@ class Arrivals {
     for (std::size_t i = 0; i < std::min<std::size_t>(sample_, first_.size() / size_); ++i) {
       reader_.look(first_.data() + i * size_);
     }
+    if (colour_ && !reader_.colours().is_decided()) look_at_colours(file_, source_, chunks_, reader_);
     out_.begin(0, colour_, true);  // the number of points cannot be checked against the file's size
     begun_ = true;
     add(first_);
@@ -50,6 +60,9 @@ class Arrivals {
     for (std::size_t at = 0; at < records.size(); at += size_) reader_.add(records.data() + at);
   }
 
+  const ScanFile& file_;
+  const laz::Source& source_;
+  std::vector<laz::Chunk> chunks_;
   std::size_t size_;
   bool colour_;
   std::uint64_t sample_;
@@ -124,29 +137,34 @@ class StrayPoints {
   std::uint64_t count_ = 0;
 };
 
-/// Reads the wanted nodes of a COPC file and no byte of the others, but of the first ones for the range of colours.
+/// The chunks of a file that has a table of them; else none.
+std::vector<laz::Chunk> chunks_of(const laz::Source& source, const std::optional<Octree>& octree) {
+  if (octree) return octree->chunks();
+  if (source.packing.compressor == laz::Compressor::pointwise || source.points == 0) return {};
+  try {
+    std::vector<laz::Chunk> chunks =
+        laz::read_chunk_table(source.file, source.first_point, source.points, source.packing).chunks;
+    std::erase_if(chunks, [](const laz::Chunk& chunk) { return chunk.points == 0; });
+    return chunks;
+  } catch (const laz::Damage&) {
+    return {};  // said by those who read the points
+  }
+}
+
+/// Reads the wanted nodes of a COPC file and no byte of the others, but of some for the range of colours.
 void unpack_nodes(const ScanFile& file, const Header& header, const laz::Source& source, const Octree& octree,
                   const std::vector<std::size_t>& wanted, PointReader& reader, ScanWriter& out) {
-  std::vector<laz::Chunk> chunks, first;
-  std::uint64_t points = 0, seen = 0;
+  std::vector<laz::Chunk> chunks;
+  std::uint64_t points = 0;
   for (const std::size_t i : wanted) {
     chunks.push_back(octree.nodes[i].chunk);
     points += chunks.back().points;
   }
   out.scan().unread = header.points - points;
   const bool colour = header.colour_offset() != 0;
-  for (std::size_t i = 0; colour && i < octree.nodes.size() && seen < kColourSample; ++i) {
-    first.push_back(octree.nodes[i].chunk);
-    seen += first.back().points;
-  }
+  if (colour) look_at_colours(file, source, octree.chunks(), reader);
   ThreadPool pool(points < kWorthThreads ? 1 : 0);
   const laz::Layers layers = wanted_layers(source.packing, reader);
-  std::uint64_t looked = 0;
-  laz::read_chunks(source, first, layers, pool, [&](std::string_view records, std::size_t) {
-    for (std::size_t at = 0; at < records.size() && looked < kColourSample; at += header.record_size, ++looked) {
-      reader.look(records.data() + at);
-    }
-  });
   out.begin(0, colour, true);
   StrayPoints strays(header, octree);
   laz::read_chunks(source, chunks, layers, pool, [&](std::string_view records, std::size_t place) {
@@ -173,7 +191,7 @@ void unpack(const ScanFile& file, const Header& header, const Units& units, Poin
       return;
     }
   }
-  Arrivals arrivals(header, reader, out);
+  Arrivals arrivals(file, header, source, chunks_of(source, octree), reader, out);
   ThreadPool pool(header.points < kWorthThreads ? 1 : 0);
   const laz::Outcome outcome = laz::read_points(
       source, wanted_layers(source.packing, reader), pool,
@@ -209,6 +227,31 @@ laz::Layers wanted_layers(const laz::Packing& packing, const PointReader& reader
   laz::Layers layers = 0;
   for (const auto& [begin, end] : reader.used_bytes()) layers |= laz::layers_at(packing, begin, end);
   return layers;
+}
+
+std::uint64_t look_at_colours(const ScanFile& file, const laz::Source& source, const std::vector<laz::Chunk>& chunks,
+                              PointReader& reader) {
+  constexpr std::uint64_t kFewest = 16;
+  const std::uint64_t n = chunks.size();
+  const std::uint64_t usual = std::max<std::uint64_t>(source.points / std::max<std::uint64_t>(n, 1), 1);
+  const std::uint64_t wanted = std::min(n, std::max(kFewest, kColourSample / usual + 1));
+  const laz::Layers layers = wanted_layers(source.packing, reader);
+  const std::size_t size = source.packing.record_size;
+  ThreadPool pool(1);
+  std::uint64_t bytes = 0;
+  for (std::uint64_t k = 0; k < wanted && !reader.colours().is_decided(); ++k) {
+    const laz::Chunk& chunk = chunks[static_cast<std::size_t>(wanted < 2 ? 0 : k * (n - 1) / (wanted - 1))];
+    bytes += chunk.size;
+    try {
+      laz::read_chunks(source, {chunk}, layers, pool, [&](std::string_view records, std::size_t) {
+        for (std::size_t at = 0; at < records.size(); at += size) reader.look(records.data() + at);
+        file.throw_if_cancelled();
+      });
+    } catch (const laz::Damage&) {
+      continue;  // said by those who read its points
+    }
+  }
+  return bytes;
 }
 
 void read_compressed(const ScanFile& file, const Header& header, const Units& units, PointReader& reader,

@@ -76,20 +76,13 @@ void OctreeScan::place_nodes(const scene::ScanConfig& scan) {
 
 void OctreeScan::look_at_colours() {
   if (header_.colour_offset() == 0) return;
-  std::vector<laz::Chunk> chunks;
-  std::uint64_t seen = 0;
-  for (std::size_t i = 0; i < octree_.nodes.size() && seen < las::kColourSample; ++i) {
-    chunks.push_back(octree_.nodes[i].chunk);
-    seen += chunks.back().points;
-    bytes_read_ += chunks.back().size;
-  }
-  ThreadPool pool(1);
-  const std::size_t most = las::kColourSample * header_.record_size;
-  laz::read_chunks({file_.bytes, header_.first_point, header_.points, packing_}, chunks, laz::kAllLayers, pool,
-                   [&](std::string_view records, std::size_t) {
-                     first_ += records.substr(0, std::min(records.size(), most - first_.size()));
-                     file_.throw_if_cancelled();
-                   });
+  RawScan raw;
+  const PointSink nowhere;
+  ScanWriter out(raw, nowhere);
+  las::PointReader reader(header_, units_, out);
+  bytes_read_ += las::look_at_colours(file_, {file_.bytes, header_.first_point, header_.points, packing_},
+                                      octree_.chunks(), reader);
+  colours_ = reader.colours();
 }
 
 double OctreeScan::spacing_m(int level) const {
@@ -113,7 +106,7 @@ void OctreeScan::add_records(std::string_view records, const Eigen::Vector3d& or
   };
   ScanWriter out(raw, sink);
   las::PointReader reader(header_, units_, out);
-  for (std::size_t at = 0; at < first_.size(); at += header_.record_size) reader.look(first_.data() + at);
+  reader.set_colours(colours_);
   out.begin(0, header_.colour_offset() != 0, true);
   for (std::size_t at = 0; at < records.size(); at += header_.record_size) reader.add(records.data() + at);
   out.finish();

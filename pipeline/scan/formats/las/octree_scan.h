@@ -12,6 +12,7 @@
 #include "base/files/files.h"
 #include "base/threads/progress.h"
 #include "base/threads/thread_pool.h"
+#include "pipeline/scan/colour_sample.h"
 #include "pipeline/scan/file.h"
 #include "pipeline/scan/formats/las/copc.h"
 #include "pipeline/scan/formats/las/header.h"
@@ -81,7 +82,7 @@ class OctreeScan {
   Placement placement_;
   double metres_ = 1.0;  ///< in the file's unit
   std::vector<Node> nodes_;
-  std::string first_;  ///< records whose colours tell their range
+  ColourRange colours_{false};
   std::uint64_t bytes_read_ = 0;
   bool drop_empty_returns_ = false;
 };

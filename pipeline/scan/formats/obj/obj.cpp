@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "pipeline/scan/colour_sample.h"
 #include "pipeline/scan/formats/obj/materials.h"
 #include "pipeline/scan/formats/obj/statements.h"
 #include "pipeline/scan/formats/remark_unit.h"
@@ -67,7 +68,32 @@ class Reader {
   }
 
  private:
-  /// Colours or not, and their range, from the first vertices.
+  /// Finds the scale of colours from vertices all over the file, and the largest value of the first of them.
+  void look_at_colours(double largest) {
+    ColourRange range(true);
+    range.look(largest);
+    for (const std::string_view part : sampled_lines(file_.bytes)) {
+      Statements statements(part);
+      std::string_view statement;
+      while (!range.is_decided() && statements.next(statement)) {
+        if (!is_vertex(statement)) continue;
+        std::string_view rest = statement.substr(1);
+        std::size_t count = 0;
+        for (std::string_view word = take_word(rest); !word.empty() && word[0] != '#' && count < values_.size();
+             word = take_word(rest), ++count) {
+          if (parse_number(word.data(), word.data() + word.size(), values_[count]) == nullptr) break;
+        }
+        if (count < 6) continue;
+        const std::size_t k = colour_place(count);
+        for (std::size_t channel = k; channel < k + 3; ++channel) range.look(values_[channel]);
+      }
+    }
+    scale_ = range.scale();
+  }
+  /// Of a vertex of so many numbers, six or seven: one of six has no weight.
+  [[nodiscard]] std::size_t colour_place(std::size_t count) const { return count == 7 ? first_colour_ : 3; }
+
+  /// Colours or not, and what the fourth number is, from the first vertices.
   void inspect() {
     Statements statements(file_.bytes);
     std::string_view statement;
@@ -94,7 +120,7 @@ class Reader {
       first_colour_ = 4;
       largest = largest_behind_weight;
     }
-    scale_ = colour_scale(largest, true);
+    if (colour_) look_at_colours(largest);
     swapped_ = 0;
     RawScan& scan = out_.scan();
     scan.format = "OBJ";
@@ -198,8 +224,7 @@ class Reader {
     const int count = parse_values(statement, line);
     std::uint32_t rgba = kNoColour;
     if (count >= 6) {
-      // A vertex of six numbers has no weight.
-      const std::size_t k = count == 7 ? first_colour_ : 3;
+      const std::size_t k = colour_place(static_cast<std::size_t>(count));
       rgba =
           pack_rgba(colour_byte(values_[k], scale_), colour_byte(values_[k + 1], scale_),
                     colour_byte(values_[k + 2], scale_), count == 7 && k == 3 ? colour_byte(values_[6], scale_) : 255);

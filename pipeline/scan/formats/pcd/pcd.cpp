@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/text/lower_case.h"
+#include "pipeline/scan/colour_sample.h"
 #include "pipeline/scan/formats/pcd/header.h"
 #include "pipeline/scan/formats/pcd/lzf.h"
 #include "pipeline/scan/text.h"
@@ -100,13 +101,13 @@ class BinaryBody {
 void read_records(const ScanFile& file, const Header& header, Wanted wanted, const BinaryBody& body, ScanWriter& out) {
   const auto n = static_cast<std::size_t>(header.points);
   if (wanted.red != nullptr) {
-    double largest = 0.0;
-    for (std::size_t i = 0; i < std::min<std::size_t>(n, 1000); ++i) {
-      for (const Field* field : {wanted.red, wanted.green, wanted.blue}) {
-        largest = std::max(largest, body.value(*field, i));
-      }
-    }
-    wanted.scale = colour_scale(largest, is_floating(wanted.red->type));
+    ColourRange range(is_floating(wanted.red->type));
+    at_sampled_records(n, [&](std::uint64_t i) {
+      for (const Field* field : {wanted.red, wanted.green, wanted.blue})
+        range.look(body.value(*field, static_cast<std::size_t>(i)));
+      return !range.is_decided();
+    });
+    wanted.scale = range.scale();
   }
   const bool floats =
       wanted.x->type == ScalarType::f32 && wanted.y->type == ScalarType::f32 && wanted.z->type == ScalarType::f32;
@@ -204,13 +205,16 @@ void read_ascii(const ScanFile& file, const Header& header, Wanted wanted, ScanW
     return false;
   };
   if (wanted.red != nullptr) {
-    LineReader sample = lines;
-    double largest = 0.0;
-    for (std::uint64_t i = 0; i < std::min<std::uint64_t>(header.points, 1000) && next(sample); ++i) {
-      for (const Field* field : {wanted.red, wanted.green, wanted.blue})
-        largest = std::max(largest, row[field->column]);
+    ColourRange range(is_floating(wanted.red->type));
+    for (const std::string_view part : sampled_lines(file.bytes.substr(header.body))) {
+      LineReader sample(part);
+      std::string_view line;
+      while (!range.is_decided() && sample.next(line)) {
+        if (!parse_row(line, row) || row.size() != header.columns) continue;  // refused below
+        for (const Field* field : {wanted.red, wanted.green, wanted.blue}) range.look(row[field->column]);
+      }
     }
-    wanted.scale = colour_scale(largest, is_floating(wanted.red->type));
+    wanted.scale = range.scale();
   }
   for (std::uint64_t i = 0; i < header.points; ++i) {
     if (!next(lines)) {

@@ -93,19 +93,21 @@ void next_record(const ScanFile& file, LineReader& lines, const Element& element
   } while (skip_blanks(line.data(), line.data() + line.size()) == line.data() + line.size());
 }
 
-/// Range of colours stored as fractions, from the first records.
 ColourScale sampled_scale(const ScanFile& file, LineReader lines, const Element& vertex, const VertexColumns& columns) {
-  constexpr std::uint64_t kSample = 1000;
+  const ScalarType type = vertex.properties[static_cast<std::size_t>(columns.red)].type;
   if (columns.splat_colour) return ColourScale::unit;
+  if (size_of(type) == 1) return ColourScale::byte;
   RecordParser record(file, vertex, -1);
   std::string_view line;
-  double largest = 0.0;
-  for (std::uint64_t i = 0; i < std::min(vertex.count, kSample); ++i) {
-    next_record(file, lines, vertex, i, line);
+  ColourRange range(is_floating(type));
+  std::uint64_t at = 0;
+  at_sampled_records(vertex.count, [&](std::uint64_t i) {
+    for (; at <= i; ++at) next_record(file, lines, vertex, at, line);
     record.parse(line, lines.number());
-    for (const int column : {columns.red, columns.green, columns.blue}) largest = std::max(largest, record[column]);
-  }
-  return colour_scale(largest, is_floating(vertex.properties[static_cast<std::size_t>(columns.red)].type));
+    for (const int column : {columns.red, columns.green, columns.blue}) range.look(record[column]);
+    return !range.is_decided();
+  });
+  return range.scale();
 }
 
 /// From the first records.

@@ -206,15 +206,16 @@ class Body {
 
   ColourScale sampled_scale(const Element& vertex, const VertexLayout& layout, std::size_t stride) const {
     if (layout.splat_colour) return ColourScale::unit;
-    constexpr std::uint64_t kSample = 1000;
-    double largest = 0.0;
-    const char* q = p_;
-    for (std::uint64_t i = 0; i < std::min(vertex.count, kSample); ++i, q += stride) {
-      for (const Slot& slot : {layout.red, layout.green, layout.blue}) {
-        largest = std::max(largest, load_scalar<big>(q + slot.offset, slot.type));
-      }
-    }
-    return colour_scale(largest, is_floating(layout.red.type));
+    if (size_of(layout.red.type) == 1) return ColourScale::byte;
+    ColourRange range(is_floating(layout.red.type));
+    at_sampled_records(vertex.count, [&](std::uint64_t i) {
+      look_at_colour(layout, p_ + static_cast<std::size_t>(i) * stride, range);
+      return !range.is_decided();
+    });
+    return range.scale();
+  }
+  static void look_at_colour(const VertexLayout& layout, const char* record, ColourRange& range) {
+    for (const Slot& slot : {layout.red, layout.green, layout.blue}) range.look(stored(slot, record));
   }
 
   void read_opacity_range(const Element& vertex, const VertexLayout& layout, std::size_t stride) {
@@ -247,13 +248,35 @@ class Body {
     splats_->decide();
   }
 
+  /// Of records of any length.
+  ColourScale walked_scale(const Element& vertex, const VertexColumns& columns) const {
+    const ScalarType type = vertex.properties[static_cast<std::size_t>(columns.red)].type;
+    if (columns.splat_colour) return ColourScale::unit;
+    if (size_of(type) == 1) return ColourScale::byte;
+    ColourRange range(is_floating(type));
+    std::vector<std::size_t> offsets;
+    const char* record = p_;
+    std::uint64_t at = 0;
+    at_sampled_records(vertex.count, [&](std::uint64_t i) {
+      for (; at < i; ++at) {
+        record = record_offsets(vertex, record, offsets);
+        if (record == nullptr) throw cut_short(vertex);
+      }
+      if (record_offsets(vertex, record, offsets) == nullptr) throw cut_short(vertex);
+      look_at_colour(make_layout(vertex, columns, offsets), record, range);
+      return !range.is_decided();
+    });
+    return range.scale();
+  }
+
   void read_vertices_with_lists(const Element& vertex, const VertexColumns& columns) {
+    const ColourScale scale = columns.has_colour() ? walked_scale(vertex, columns) : ColourScale::byte;
     std::vector<std::size_t> offsets;
     for (std::uint64_t i = 0; i < vertex.count; ++i) {
       const char* const next = record_offsets(vertex, p_, offsets);
       if (next == nullptr) throw cut_short(vertex);
       VertexLayout layout = make_layout(vertex, columns, offsets);
-      if (layout.red.present() && is_floating(layout.red.type)) layout.scale = ColourScale::unit;
+      layout.scale = scale;
       add_any(layout, p_);
       p_ = next;
     }

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/scan/colour_sample.h"
 #include "pipeline/scan/file.h"
 #include "pipeline/scan/formats/splat/splats.h"
 #include "pipeline/scan/formats/texture/paint.h"

@@ -114,22 +114,6 @@ void take_track(TableColumns& columns, int track) {
   columns.rows_vary = true;
 }
 
-/// What the colours of the sample mean, and where numbers are.
-void judge_values(TableColumns& columns, const std::vector<TableRow>& sample) {
-  double largest = 0.0;
-  bool fractions = false;
-  for (const TableRow& row : sample) {
-    for (const int column : {columns.red, columns.green, columns.blue}) {
-      if (column < 0 || index(column) >= row.count) continue;
-      const double v = row.values[index(column)];
-      if (v > largest) largest = v;
-      fractions = fractions || v != std::floor(v);
-    }
-  }
-  columns.scale = colour_scale(largest, fractions);
-  columns.numbers = columns_of_numbers(sample);
-}
-
 std::array<int, 3> moved(const std::array<int, 3>& columns, int by) {
   return {columns[0] + by, columns[1] + by, columns[2] + by};
 }
@@ -197,7 +181,7 @@ TableColumns configured_columns(const std::vector<std::string>& words, const std
   columns.nz = find(words, "nz");
   columns.usual = std::max(usual_count(sample), columns.needed());
   label_fields(columns);
-  judge_values(columns, sample);
+  columns.numbers = columns_of_numbers(sample);
   return columns;
 }
 
@@ -325,7 +309,7 @@ TableColumns named_columns(const TableHeader& header, const HeaderPlace& place, 
     columns.warnings.push_back("the header names several sets of coordinates; " + place_text(columns) +
                                " are taken; if that is wrong, 'columns' of the scan names them");
   }
-  judge_values(columns, sample);
+  columns.numbers = columns_of_numbers(sample);
   return columns;
 }
 
@@ -335,7 +319,7 @@ TableColumns columns_by_position(const std::vector<TableRow>& sample, bool pts) 
   guess_attributes(columns, sample, pts);
   doubt_first_three(columns, sample);
   label_fields(columns);
-  judge_values(columns, sample);
+  columns.numbers = columns_of_numbers(sample);
   return columns;
 }
 
@@ -374,7 +358,7 @@ TableColumns guess_columns(const std::vector<TableRow>& sample, bool pts) {
         "wrong, 'columns' of the scan names them");
   }
   label_fields(columns);
-  judge_values(columns, sample);
+  columns.numbers = columns_of_numbers(sample);
   return columns;
 }
 

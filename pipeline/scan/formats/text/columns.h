@@ -19,9 +19,8 @@ struct TableColumns {
   int red = -1, green = -1, blue = -1;
   int intensity = -1;
   int nx = -1, ny = -1, nz = -1;
-  int track = -1;        ///< from here on COLMAP's rows name the pictures that show the point, two values each
-  bool degrees = false;  ///< x and y are longitude and latitude
-  ColourScale scale = ColourScale::byte;
+  int track = -1;         ///< from here on COLMAP's rows name the pictures that show the point, two values each
+  bool degrees = false;   ///< x and y are longitude and latitude
   std::size_t usual = 3;  ///< columns of most rows
   TextTable::By by = TextTable::By::position;
   bool numbered = false;            ///< the first column counts the rows, as far as the sample goes

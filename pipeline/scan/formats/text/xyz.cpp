@@ -5,11 +5,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "pipeline/scan/colour_sample.h"
 #include "pipeline/scan/formats/colmap.h"
 #include "pipeline/scan/formats/remark_unit.h"
 #include "pipeline/scan/formats/text/columns.h"
@@ -96,6 +98,7 @@ class Reader {
     if (!scan.degrees && !scan.unit) take_unit_of_remark(layout_.unit_remark, layout_.unit_line, scan);
     needed_ = columns().needed();
     ask_for_fields();
+    find_colour_scale();
     out_.begin(0, columns().has_colour(), columns().intensity >= 0, columns().has_normals());
   }
 
@@ -108,6 +111,40 @@ class Reader {
       const int slot = out_.want(columns().fields[k], column != columns().intensity);
       if (slot != ScanWriter::kUnwanted) fields_.emplace_back(column, slot);
     }
+  }
+
+  /// Of rows all over the file that have as many values as those whose columns are known.
+  void find_colour_scale() {
+    if (!columns().has_colour()) return;
+    const auto [known, is_new] = scales_.try_emplace({columns().usual, columns().red}, ColourScale::byte);
+    if (is_new) known->second = sampled_scale();
+    scale_ = known->second;
+  }
+  [[nodiscard]] ColourScale sampled_scale() const {
+    const std::array<int, 3> channels = {columns().red, columns().green, columns().blue};
+    const auto last = static_cast<std::size_t>(std::max({channels[0], channels[1], channels[2]}));
+    double largest = 0.0;
+    bool fractions = false;
+    TableRow row;
+    const std::vector<std::string_view> parts = sampled_lines(file_.bytes);
+    for (const std::string_view part : parts) {
+      LineReader lines(part);
+      std::string_view line;
+      while (lines.next(line)) {
+        if (parse_table_row(line, layout_.style, row) != RowKind::numbers || row.count <= last) continue;
+        if (part.data() == file_.bytes.data() && lines.number() < layout_.first_row) continue;
+        const bool usual = row.count == columns().usual || (row.count == columns().usual + 1 && row.ends_empty());
+        if (!usual && !columns().rows_vary) continue;
+        for (const int channel : channels) {
+          const double value = row.values[static_cast<std::size_t>(channel)];
+          if (value > largest) largest = value;
+          fractions = fractions || (std::isfinite(value) && value != std::floor(value));
+        }
+      }
+      file_.throw_if_cancelled();
+      if (colour_scale(largest, true) == ColourScale::word) break;
+    }
+    return colour_scale(largest, fractions);
   }
 
   [[nodiscard]] std::string expected_row() const {
@@ -165,9 +202,8 @@ class Reader {
     const auto has = [&](int column) { return column >= 0 && static_cast<std::size_t>(column) < row.count; };
     std::uint32_t rgba = kNoColour;
     if (columns().has_colour() && has(std::max({columns().red, columns().green, columns().blue}))) {
-      rgba = pack_rgba(colour_byte(value(columns().red), columns().scale),
-                       colour_byte(value(columns().green), columns().scale),
-                       colour_byte(value(columns().blue), columns().scale));
+      rgba = pack_rgba(colour_byte(value(columns().red), scale_), colour_byte(value(columns().green), scale_),
+                       colour_byte(value(columns().blue), scale_));
     } else if (columns().has_colour()) {
       ++colourless_;
     }
@@ -293,6 +329,7 @@ class Reader {
     layout_.columns = std::move(found);
     needed_ = columns().needed();
     ask_for_fields();
+    find_colour_scale();
     out_.set_attributes(columns().has_colour(), columns().intensity >= 0, columns().has_normals());
     RawScan& scan = out_.scan();
     for (const std::string& field : columns().fields) {
@@ -346,7 +383,9 @@ class Reader {
   FirstColumn first_column_;
   TriangleRows triangle_rows_;
   std::size_t needed_ = 3;
-  std::vector<std::pair<int, int>> fields_;  ///< columns that somebody asks for, and their slots
+  ColourScale scale_ = ColourScale::byte;
+  std::map<std::pair<std::size_t, int>, ColourScale> scales_;  ///< by values in a row and the place of red
+  std::vector<std::pair<int, int>> fields_;                    ///< columns that somebody asks for, and their slots
   std::uint64_t rows_ = 0;
   std::uint64_t rows_of_block_ = 0;
   std::uint64_t colourless_ = 0;  ///< rows that end before the columns of colour
