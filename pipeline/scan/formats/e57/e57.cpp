@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
 #include <Eigen/Core>
 #include <pugixml.hpp>
 
@@ -86,7 +87,7 @@ class Reader {
     }
     // A record may be as short as a few bits, so only what the bytes surely hold is reserved.
     out_.begin(std::min<std::uint64_t>(records, file_.bytes.size() / 4), false, false);
-    for (const Scan& s : scans) {
+    for (Scan& s : scans) {
       const std::uint64_t before = out_.records();
       attempt(
           s.name, [&] { read_scan_points(s, document.child("e57Root").child("images2D")); },
@@ -243,16 +244,63 @@ class Reader {
     }
     if (roles.red >= 0) roles.no_colour = want(scan, "isColorInvalid");
     choose_others(scan);
-    if (roles.red >= 0) {
-      const pugi::xml_node limits = node.child("colorLimits");
-      const Field& red = scan.fields[scan.wanted[static_cast<std::size_t>(roles.red)]];
-      const bool whole = red.kind == Field::Kind::integer;
-      scan.colour_low = limits ? number_of(limits.child("colorRedMinimum")) : 0.0;
-      scan.colour_high = limits  ? number_of(limits.child("colorRedMaximum"))
-                         : whole ? static_cast<double>(red.maximum) * red.scale + red.offset
-                                 : 1.0;
-      if (!(scan.colour_high > scan.colour_low)) scan.colour_high = scan.colour_low + 255.0;
+    if (roles.red >= 0) choose_colour_limits(node.child("colorLimits"), scan);
+  }
+
+  /// The greatest value that the field's type can have; infinite for floating-point numbers.
+  static double most_of(const Field& field) {
+    if (field.kind != Field::Kind::integer) return std::numeric_limits<double>::infinity();
+    const double ends[] = {static_cast<double>(field.minimum), static_cast<double>(field.maximum)};
+    return std::max(ends[0] * field.scale, ends[1] * field.scale) + field.offset;  // a scale may be negative
+  }
+
+  void choose_colour_limits(const pugi::xml_node& limits, Scan& scan) const {
+    const Field& red = scan.fields[scan.wanted[static_cast<std::size_t>(scan.roles.red)]];
+    const bool whole = red.kind == Field::Kind::integer;
+    scan.colour_high = whole ? most_of(red) : 1.0;
+    if (!limits) return;
+    scan.colour_low = number_of(limits.child("colorRedMinimum"));
+    scan.colour_high = number_of(limits.child("colorRedMaximum"));
+    if (scan.colour_high > scan.colour_low) return;
+    scan.colour_low = 0.0;
+    scan.colour_high = whole ? 255.0 : 1.0;
+  }
+
+  /// Where channels have values above their limit: the limit that these values tell, with a warning.
+  void raise_colour_limit(Scan& scan) const {
+    std::vector<std::size_t> channels;
+    for (const int role : {scan.roles.red, scan.roles.green, scan.roles.blue})
+      channels.push_back(scan.wanted[static_cast<std::size_t>(role)]);
+    const Field& red = scan.fields[channels.front()];
+    const auto may_exceed = [&](std::size_t channel) { return most_of(scan.fields[channel]) > scan.colour_high; };
+    if (std::none_of(channels.begin(), channels.end(), may_exceed)) return;
+    const double largest = largest_value(scan, channels);
+    if (largest <= scan.colour_high * kColourOvershoot) return;
+    const ColourScale scale = colour_scale(largest, red.kind != Field::Kind::integer);
+    const double usual = scale == ColourScale::unit ? 1.0 : scale == ColourScale::byte ? 255.0 : 65535.0;
+    const double high = std::max(largest > usual * kColourOvershoot ? largest : 0.0, std::min(usual, most_of(red)));
+    out_.scan().warnings.push_back(fmt::format(
+        "{}: its colours go up to {:.6g}, beyond their limit of {:.6g}; they are read as values from 0 to {:.6g}",
+        scan.name, largest, scan.colour_high, high));
+    scan.colour_low = 0.0;
+    scan.colour_high = high;
+  }
+
+  /// Of the fields in all records; 0 when none is greater.
+  double largest_value(const Scan& scan, const std::vector<std::size_t>& fields) const {
+    double largest = 0.0;
+    try {
+      read_points(file_, pages_, scan.section, scan.records, scan.fields, fields,
+                  [&](std::vector<FieldStream>& streams) {
+                    for (FieldStream& stream : streams) {
+                      const double value = stream.take();
+                      if (value > largest && std::isfinite(value)) largest = value;
+                    }
+                  });
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::input) throw;  // damage is said by those who read the points
     }
+    return largest;
   }
 
   Scan parse_scan(const pugi::xml_node& node) const {
@@ -290,8 +338,9 @@ class Reader {
     return pictures;
   }
 
-  void read_scan_points(const Scan& scan, const pugi::xml_node& images) {
+  void read_scan_points(Scan& scan, const pugi::xml_node& images) {
     const Roles& roles = scan.roles;
+    if (roles.red >= 0) raise_colour_limit(scan);
     const std::optional<Pictures> pictures = pictures_of(scan, images);
     const bool posed = !scan.turn.isIdentity(0.0) || !scan.shift.isZero(0.0);
     // The scanner is the origin of its own coordinates; without a pose or angles they may be anybody's.

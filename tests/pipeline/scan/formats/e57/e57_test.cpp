@@ -2,8 +2,10 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "pipeline/scan/formats/e57/pages.h"
@@ -18,6 +20,7 @@ using ::testing::ElementsAre;
 using testing::error_of_bytes;
 using testing::expect_refused;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using testing::reals;
 using testing::ScanFolder;
 using testing::slow_crc32c;
@@ -152,6 +155,49 @@ TEST(E57Reader, ScalesColoursByTheirLimits) {
   const RawScan scan = folder.read("c.e57", file.bytes());
   EXPECT_EQ(scan.rgba, std::vector<std::uint32_t>{0xFF8080FFU});
   EXPECT_EQ(scan.intensity, std::vector<float>{0.5F});
+}
+
+TEST(E57Reader, ColoursBeyondTheirLimitAreReadAsWhatTheyAreAndSaid) {
+  const auto file_of = [](const std::string& type, const std::string& stream, std::optional<int> limit) {
+    E57File file;
+    file.records = 3;
+    const std::string zeros = reals({0, 0, 0}, false);
+    file.streams = {zeros, zeros, zeros, stream, stream, stream};
+    file.prototype = "<cartesianX type=\"Float\"/><cartesianY type=\"Float\"/><cartesianZ type=\"Float\"/>";
+    for (const std::string channel : {"Red", "Green", "Blue"}) file.prototype += "<color" + channel + type;
+    if (limit) {
+      file.before_points = fmt::format(
+          "<colorLimits type=\"Structure\"><colorRedMinimum type=\"Integer\">0</colorRedMinimum>"
+          "<colorRedMaximum type=\"Integer\">{}</colorRedMaximum></colorLimits>",
+          *limit);
+    }
+    return file.bytes();
+  };
+  const auto integers = [](const std::vector<std::uint64_t>& values, int bits) {
+    Bits stream;
+    for (const std::uint64_t value : values) stream.add(value, bits);
+    return stream.bytes();
+  };
+  const std::string floats = " type=\"Float\" precision=\"single\"/>";
+  const std::string bytes = " type=\"Integer\" minimum=\"0\" maximum=\"255\"/>";
+  const std::string words = " type=\"Integer\" minimum=\"0\" maximum=\"65535\"/>";
+  const ScanFolder folder;
+  const std::vector<std::uint32_t> expected = {0xFF000000U, 0xFF0A0A0AU, 0xFFFFFFFFU};
+  for (const std::string& file :
+       {file_of(floats, reals({0, 10, 255}, true), std::nullopt), file_of(bytes, integers({0, 10, 255}, 8), 1),
+        file_of(words, integers({0, 2570, 65535}, 16), 0), file_of(floats, reals({0, 2570, 65535}, true), 0)}) {
+    const RawScan scan = folder.read("c.e57", file);
+    EXPECT_EQ(scan.rgba, expected);
+    EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("beyond their limit of")));
+  }
+  for (const std::string& file :
+       {file_of(floats, reals({0, 10 / 255.0, 1}, true), std::nullopt), file_of(floats, reals({0, 10, 255}, true), 255),
+        file_of(bytes, integers({0, 10, 255}, 8), 255), file_of(words, integers({0, 10, 255}, 16), 0),
+        file_of(words, integers({0, 2570, 65535}, 16), std::nullopt)}) {
+    const RawScan scan = folder.read("c.e57", file);
+    EXPECT_EQ(scan.rgba, expected);
+    EXPECT_THAT(scan.warnings, IsEmpty());
+  }
 }
 
 TEST(E57Reader, RefusesLiesAndDamage) {
