@@ -111,6 +111,7 @@ bool may_be_north_first(const std::vector<TableRow>& sample, int x, int y) {
 }
 
 bool are_unit_vectors(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first) {
+  if (usual < first + 3) return false;
   std::size_t rows = 0;
   for (const TableRow& row : sample) {
     if (row.count != usual) continue;
@@ -129,6 +130,10 @@ bool look_like_normals(const std::vector<TableRow>& sample, std::size_t usual, s
                                              row.values.begin() + static_cast<std::ptrdiff_t>(first) + 3, below);
   });
   return negative && are_unit_vectors(sample, usual, first);
+}
+
+bool are_normals(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first) {
+  return are_unit_vectors(sample, usual, first) && !in_range(sample, usual, first, 0.0, 1.0, true);
 }
 
 std::size_t leading_numbers(const std::vector<TableRow>& sample, std::size_t usual) {

@@ -39,6 +39,9 @@ namespace sparsha::pipeline {
 [[nodiscard]] bool are_unit_vectors(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first);
 [[nodiscard]] bool look_like_normals(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first);
 
+/// Unit vectors of which one at least has a fraction or a negative part: no colours from the corners of their cube.
+[[nodiscard]] bool are_normals(const std::vector<TableRow>& sample, std::size_t usual, std::size_t first);
+
 /// Numbers in every row before the first word of any.
 [[nodiscard]] std::size_t leading_numbers(const std::vector<TableRow>& sample, std::size_t usual);
 

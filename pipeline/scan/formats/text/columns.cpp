@@ -57,18 +57,31 @@ void doubt_first_three(TableColumns& columns, const std::vector<TableRow>& sampl
   }
 }
 
+/// Whether normals stand behind the coordinates. Zeros and ones alone are normals where they never change, as those of
+/// a floor, or stand before colours.
+bool begins_with_normals(const std::vector<TableRow>& sample, std::size_t usual) {
+  if (usual < 6 || !are_unit_vectors(sample, usual, 3)) return false;
+  if (are_normals(sample, usual, 3)) return true;
+  if (usual >= 9 && look_like_colours(sample, usual, 6) && !are_unit_vectors(sample, usual, 6)) return true;
+  return usual == 6 && is_constant(sample, usual, 3) && is_constant(sample, usual, 4) && is_constant(sample, usual, 5);
+}
+
 /// What stands behind coordinates without names, as scanners' programs write it.
 void guess_attributes(TableColumns& columns, const std::vector<TableRow>& sample, bool pts) {
   const std::size_t usual = columns.usual;
-  const bool either = usual == 7 && look_like_colours(sample, usual, 3) && look_like_colours(sample, usual, 4);
+  const bool normals_behind_seven = usual >= 10 && are_normals(sample, usual, 7);
+  const bool seven = usual == 7 || normals_behind_seven;
+  const bool either = seven && look_like_colours(sample, usual, 3) && look_like_colours(sample, usual, 4);
+  if (normals_behind_seven) set_normals(columns, 7);
   if (usual >= 7 && pts && look_like_colours(sample, usual, 4)) {
     set_colour(columns, 4);
     set_intensity(columns, sample, 3);
-  } else if (usual == 6 && look_like_normals(sample, usual, 3)) {
+  } else if (begins_with_normals(sample, usual)) {
     set_normals(columns, 3);
-  } else if (usual >= 9 && look_like_normals(sample, usual, 3) && look_like_colours(sample, usual, 6)) {
-    set_normals(columns, 3);
-    set_colour(columns, 6);
+    if (usual >= 9 && look_like_colours(sample, usual, 6)) set_colour(columns, 6);
+  } else if (usual == 7 && are_normals(sample, usual, 4)) {
+    set_normals(columns, 4);
+    set_intensity(columns, sample, 3);
   } else if (either && is_constant(sample, usual, 3) && !is_constant(sample, usual, 4) &&
              !is_constant(sample, usual, 5) && !is_constant(sample, usual, 6)) {
     set_colour(columns, 4);
@@ -79,13 +92,13 @@ void guess_attributes(TableColumns& columns, const std::vector<TableRow>& sample
         "so");
   } else if (usual >= 6 && look_like_colours(sample, usual, 3)) {
     set_colour(columns, 3);
-    if (usual == 7) set_intensity(columns, sample, 6);
+    if (seven) set_intensity(columns, sample, 6);
     if (either && !is_constant(sample, usual, 6)) {
       columns.notes.emplace_back(
           "without a header columns 4 to 6 are taken as red, green and blue and column 7 as the intensity; if it is "
           "the other way round, 'columns: [x, y, z, intensity, red, green, blue]' of the scan says so");
     }
-    if (usual >= 9 && are_unit_vectors(sample, usual, 6)) set_normals(columns, 6);  // a measure may follow
+    if (!seven && usual >= 9 && are_unit_vectors(sample, usual, 6)) set_normals(columns, 6);  // a measure may follow
   } else if (usual >= 7 && look_like_colours(sample, usual, 4)) {
     set_colour(columns, 4);
     set_intensity(columns, sample, 3);
@@ -344,7 +357,7 @@ TableColumns guess_columns(const std::vector<TableRow>& sample, bool pts) {
     columns.warnings.emplace_back("without a header it looks like COLMAP's points3D.txt, and is read as that");
   } else {
     const std::size_t numbers = leading_numbers(sample, usual);
-    if (numbers >= 7 && (look_like_colours(sample, usual, 4) || !look_like_normals(sample, usual, 4))) {
+    if (numbers >= 7 && !are_normals(sample, usual, 4)) {
       if (look_like_colours(sample, usual, 4)) set_colour(columns, 4);
       if (numbers == 8 && !columns.has_colour() && look_like_colours(sample, usual, 5)) {
         set_colour(columns, 5);

@@ -1,5 +1,6 @@
 // Which column of a text table is what: told by names, by values or by their places. Tables are written as other
 // programs write them; their true points are what the test wrote.
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -500,6 +501,54 @@ TEST(TextTable, ColoursBehindNormalsAreTakenAndThoseOfSixteenBitsAreSaid) {
   const auto white = [](int k) { return fmt::format(" 255 255 255 {}", k % 256); };
   EXPECT_EQ(read(table_of(kNothing, white)).rgba.at(7), 0xFFFFFFFFU);
   EXPECT_EQ(grey.intensity.at(7), 128.0F);
+}
+
+TEST(TextTable, NormalsWithoutNegativePartsAreNoColours) {
+  const auto normal = [](int k) {
+    return fmt::format(" {:.6f} {:.6f} 0.800000", 0.6 * std::abs(std::sin(0.01 * k)),
+                       0.6 * std::abs(std::cos(0.01 * k)));
+  };
+  const auto floor = [](int) { return std::string(" 0.0 0.0 1.0"); };
+  const auto with = [&](const auto& before, const auto& behind) {
+    return read(table_of(kNothing, [&](int k) { return before(k) + behind(k); }));
+  };
+  const auto colour = [](int k) { return fmt::format(" {} 10 20", k % 256); };
+  const auto box = [](int k) { return std::string(k % 2 == 0 ? " 1 0 0" : " 0 1 0"); };
+  EXPECT_THAT(with(kNothing, normal).fields, ElementsAre("x", "y", "z", "nx", "ny", "nz"));
+  EXPECT_THAT(with(kNothing, floor).fields, ElementsAre("x", "y", "z", "nx", "ny", "nz"));
+  const std::vector<RawScan> scans = {with(normal, colour), with(floor, colour), with(box, colour)};
+  for (const RawScan& scan : scans) {
+    EXPECT_THAT(scan.fields, ElementsAre("x", "y", "z", "nx", "ny", "nz", "red", "green", "blue"));
+    EXPECT_EQ(scan.rgba.at(7), 0xFF140A07U);
+  }
+  EXPECT_EQ(scans[2].normals.at(7), Eigen::Vector3f(0.0F, 1.0F, 0.0F));
+  const auto measured = [&](int k) { return fmt::format(" {:.3f}", 0.001 * k) + normal(k); };
+  EXPECT_THAT(with(kNothing, measured).fields, ElementsAre("x", "y", "z", "intensity", "nx", "ny", "nz"));
+}
+
+TEST(TextTable, PrimaryColoursAreNoNormals) {
+  const std::array<std::string, 5> corners = {" 1 0 0", " 0 1 0", " 0 0 1", " 1 1 0", " 0 0 0"};
+  for (const std::size_t used : {std::size_t{3}, std::size_t{4}, std::size_t{5}}) {
+    const RawScan scan = read(table_of(kNothing, [&](int k) { return corners[static_cast<std::size_t>(k) % used]; }));
+    EXPECT_THAT(scan.fields, ElementsAre("x", "y", "z", "red", "green", "blue")) << used;
+  }
+}
+
+TEST(TextTable, NormalsMayStandBehindColoursAndAnIntensity) {
+  const auto wave = [](int k) { return fmt::format(" {:.6f} 0.0 {:.6f}", std::sin(0.01 * k), std::cos(0.01 * k)); };
+  const auto intensity_first = [&](int k) { return fmt::format(" {} {} 10 20", k - 300, k % 256) + wave(k); };
+  const auto intensity_last = [&](int k) { return fmt::format(" {} 10 20 {}", k % 256, k - 300) + wave(k); };
+  const auto bytes = [&](int k) { return fmt::format(" {} 10 20 {}", k % 256, k % 200) + wave(k) + " 1"; };
+  for (const auto& scan : {read(table_of(kNothing, intensity_first)), read(table_of(kNothing, intensity_last)),
+                           read(table_of(kNothing, bytes))}) {
+    EXPECT_THAT(scan.fields, AllOf(Contains("nx"), Contains("intensity")));
+    EXPECT_EQ(scan.rgba.at(7), 0xFF140A07U);
+    EXPECT_NEAR(scan.normals.at(7).x(), std::sin(0.07), 1e-6);
+  }
+  EXPECT_EQ(read(table_of(kNothing, intensity_first)).intensity.at(7), -293.0F);
+  const auto flags = [](int k) { return fmt::format(" {} {} 10 20 1 0 0", k - 300, k % 256); };
+  EXPECT_THAT(read(table_of(kNothing, flags)).normals, IsEmpty());
+  EXPECT_EQ(read(table_of(kNothing, bytes)).intensity.at(7), 7.0F);
 }
 
 TEST(TextTable, TablesOfThreeAndSixValuesMayBeJoined) {
