@@ -18,6 +18,10 @@ namespace sparsha::pipeline {
                                                 std::uint32_t a = 255) {
   return r | g << 8 | b << 16 | a << 24;
 }
+/// From 0xAARRGGBB.
+[[nodiscard]] constexpr std::uint32_t unpack_argb(std::uint32_t argb, bool opaque) {
+  return pack_rgba(argb >> 16 & 255, argb >> 8 & 255, argb & 255, opaque ? 255 : argb >> 24);
+}
 /// A warning that faces' colours are not read: only points have colours.
 [[nodiscard]] std::string unused_face_colours(std::uint64_t faces);
 inline constexpr std::uint32_t kWhite = 0xFFFFFFFFu;

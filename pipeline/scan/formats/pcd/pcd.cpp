@@ -60,11 +60,6 @@ Wanted wanted_fields(const ScanFile& file, const Header& header, ScanWriter& out
   return wanted;
 }
 
-/// 0xAARRGGBB to 0xAABBGGRR.
-std::uint32_t unpack(std::uint32_t argb, bool opaque) {
-  return pack_rgba(argb >> 16 & 255, argb >> 8 & 255, argb & 255, opaque ? 255 : argb >> 24);
-}
-
 /// A packed colour in text is an integer, or a float whose bits are the colour: those are far below 1.
 std::uint32_t packed_from_text(double value, bool is_signed) {
   if (is_signed && value < 0.0 && value >= -2147483648.0 && value == std::floor(value))
@@ -120,7 +115,7 @@ void read_records(const ScanFile& file, const Header& header, Wanted wanted, con
   for (std::size_t i = 0; i < n; ++i) {
     std::uint32_t rgba = kWhite;
     if (wanted.packed != nullptr) {
-      rgba = unpack(body.bits(*wanted.packed, i), wanted.opaque());
+      rgba = unpack_argb(body.bits(*wanted.packed, i), wanted.opaque());
     } else if (wanted.red != nullptr) {
       rgba = pack_rgba(colour_byte(body.value(*wanted.red, i), wanted.scale),
                        colour_byte(body.value(*wanted.green, i), wanted.scale),
@@ -225,8 +220,8 @@ void read_ascii(const ScanFile& file, const Header& header, Wanted wanted, ScanW
     }
     std::uint32_t rgba = kWhite;
     if (wanted.packed != nullptr) {
-      rgba =
-          unpack(packed_from_text(row[wanted.packed->column], wanted.packed->type == ScalarType::i32), wanted.opaque());
+      rgba = unpack_argb(packed_from_text(row[wanted.packed->column], wanted.packed->type == ScalarType::i32),
+                         wanted.opaque());
     } else if (wanted.red != nullptr) {
       rgba = pack_rgba(colour_byte(row[wanted.red->column], wanted.scale),
                        colour_byte(row[wanted.green->column], wanted.scale),

@@ -110,6 +110,20 @@ ColourScale sampled_scale(const ScanFile& file, LineReader lines, const Element&
   return range.scale();
 }
 
+bool are_packed_colours(const ScanFile& file, LineReader lines, const Element& vertex, const VertexColumns& columns) {
+  RecordParser record(file, vertex, -1);
+  std::string_view line;
+  PackedColours colours;
+  std::uint64_t at = 0;
+  at_sampled_records(vertex.count, [&](std::uint64_t i) {
+    for (; at <= i; ++at) next_record(file, lines, vertex, at, line);
+    record.parse(line, lines.number());
+    colours.look(record[columns.packed]);
+    return colours.good();
+  });
+  return colours.good();
+}
+
 /// From the first records.
 void read_opacity_range(const ScanFile& file, LineReader lines, const Element& vertex,
                         std::vector<VertexField>& fields) {
@@ -154,6 +168,8 @@ void read_vertices(const ScanFile& file, LineReader& lines, const Element& verte
   const bool colour = columns.has_colour();
   const bool intensity = columns.intensity >= 0;
   const ColourScale scale = colour ? sampled_scale(file, lines, vertex, columns) : ColourScale::byte;
+  const bool packed = columns.packed >= 0 && are_packed_colours(file, lines, vertex, columns);
+  if (packed) out.set_attributes(true, intensity, columns.has_normals());
   std::vector<VertexField> fields = vertex_fields(vertex, columns, out);
   read_opacity_range(file, lines, vertex, fields);
   std::optional<SplatVertices> splats = look_at_splats(file, lines, vertex, columns);
@@ -174,6 +190,7 @@ void read_vertices(const ScanFile& file, LineReader& lines, const Element& verte
       rgba = pack_rgba(channel(record[columns.red]), channel(record[columns.green]), channel(record[columns.blue]),
                        columns.alpha >= 0 ? colour_byte(record[columns.alpha], scale) : 255);
     }
+    if (packed) rgba = PackedColours::rgba(record[columns.packed]);
     if (const std::uint32_t painted = paint[i]; painted != kNoColour) rgba = painted;
     for (const VertexField& field : fields) {
       out.set_field(field.slot, field.value(record[static_cast<int>(field.column)]));

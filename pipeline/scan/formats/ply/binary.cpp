@@ -18,6 +18,7 @@ struct Slot {
 
 struct VertexLayout {
   Slot x, y, z, red, green, blue, alpha, intensity;
+  Slot packed;      // colours, where it is present
   Slot nx, ny, nz;  // all or none
   Slot opacity;     // of whole splats, with their axes
   std::array<Slot, 3> axes;
@@ -52,10 +53,14 @@ class Body {
     read_opacity_range(vertex, layout, stride);
     if (columns.has_whole_splats()) look_at_splats(vertex, layout, stride);
     if (columns.has_colour()) layout.scale = sampled_scale(vertex, layout, stride);
+    const bool packed = columns.packed >= 0 && are_packed_colours(vertex, columns);
+    if (packed) layout.packed = slot_of(vertex, columns.packed, offsets);
+    if (packed) out_.set_attributes(true, layout.intensity.present(), columns.has_normals());
     const bool bytes_only = layout.red.type == ScalarType::u8 && layout.green.type == ScalarType::u8 &&
                             layout.blue.type == ScalarType::u8 && !layout.alpha.present() &&
                             !layout.intensity.present() && fields_.empty() && !paint_.any();
-    const bool plain = !columns.has_colour() && !layout.intensity.present() && fields_.empty() && !paint_.any();
+    const bool plain =
+        !columns.has_colour() && !packed && !layout.intensity.present() && fields_.empty() && !paint_.any();
     const bool same = layout.x.type == layout.y.type && layout.x.type == layout.z.type;
     constexpr std::size_t kChunk = 1 << 16;
     for (std::uint64_t left = vertex.count; left > 0;) {
@@ -172,13 +177,15 @@ class Body {
     return record + at;
   }
 
+  static Slot slot_of(const Element& vertex, int column, const std::vector<std::size_t>& offsets) {
+    if (column < 0) return {};
+    const auto i = static_cast<std::size_t>(column);
+    return {offsets[i], vertex.properties[i].type};
+  }
+
   VertexLayout make_layout(const Element& vertex, const VertexColumns& columns,
                            const std::vector<std::size_t>& offsets) const {
-    const auto slot = [&](int column) {
-      if (column < 0) return Slot{};
-      const auto i = static_cast<std::size_t>(column);
-      return Slot{offsets[i], vertex.properties[i].type};
-    };
+    const auto slot = [&](int column) { return slot_of(vertex, column, offsets); };
     VertexLayout layout;
     layout.x = slot(columns.x);
     layout.y = slot(columns.y);
@@ -248,12 +255,9 @@ class Body {
     splats_->decide();
   }
 
-  /// Of records of any length.
-  ColourScale walked_scale(const Element& vertex, const VertexColumns& columns) const {
-    const ScalarType type = vertex.properties[static_cast<std::size_t>(columns.red)].type;
-    if (columns.splat_colour) return ColourScale::unit;
-    if (size_of(type) == 1) return ColourScale::byte;
-    ColourRange range(is_floating(type));
+  /// Calls `look(record, offsets)` of records of any length all over the file until it gives false.
+  template <typename Look>
+  void at_walked_records(const Element& vertex, const Look& look) const {
     std::vector<std::size_t> offsets;
     const char* record = p_;
     std::uint64_t at = 0;
@@ -263,20 +267,43 @@ class Body {
         if (record == nullptr) throw cut_short(vertex);
       }
       if (record_offsets(vertex, record, offsets) == nullptr) throw cut_short(vertex);
+      return look(record, offsets);
+    });
+  }
+
+  ColourScale walked_scale(const Element& vertex, const VertexColumns& columns) const {
+    const ScalarType type = vertex.properties[static_cast<std::size_t>(columns.red)].type;
+    if (columns.splat_colour) return ColourScale::unit;
+    if (size_of(type) == 1) return ColourScale::byte;
+    ColourRange range(is_floating(type));
+    at_walked_records(vertex, [&](const char* record, const std::vector<std::size_t>& offsets) {
       look_at_colour(make_layout(vertex, columns, offsets), record, range);
       return !range.is_decided();
     });
     return range.scale();
   }
 
+  bool are_packed_colours(const Element& vertex, const VertexColumns& columns) const {
+    const auto column = static_cast<std::size_t>(columns.packed);
+    PackedColours colours;
+    at_walked_records(vertex, [&](const char* record, const std::vector<std::size_t>& offsets) {
+      colours.look(load_scalar<big>(record + offsets[column], vertex.properties[column].type));
+      return colours.good();
+    });
+    return colours.good();
+  }
+
   void read_vertices_with_lists(const Element& vertex, const VertexColumns& columns) {
     const ColourScale scale = columns.has_colour() ? walked_scale(vertex, columns) : ColourScale::byte;
+    const bool packed = columns.packed >= 0 && are_packed_colours(vertex, columns);
+    if (packed) out_.set_attributes(true, columns.intensity >= 0, columns.has_normals());
     std::vector<std::size_t> offsets;
     for (std::uint64_t i = 0; i < vertex.count; ++i) {
       const char* const next = record_offsets(vertex, p_, offsets);
       if (next == nullptr) throw cut_short(vertex);
       VertexLayout layout = make_layout(vertex, columns, offsets);
       layout.scale = scale;
+      if (packed) layout.packed = slot_of(vertex, columns.packed, offsets);
       add_any(layout, p_);
       p_ = next;
     }
@@ -321,6 +348,7 @@ class Body {
       rgba = pack_rgba(channel(layout.red), channel(layout.green), channel(layout.blue),
                        layout.alpha.present() ? colour_byte(value(layout.alpha), layout.scale) : 255);
     }
+    if (layout.packed.present()) rgba = PackedColours::rgba(value(layout.packed));
     if (const std::uint32_t painted = paint_[out_.records()]; painted != kNoColour) rgba = painted;
     out_.add(value(layout.x), value(layout.y), value(layout.z), rgba,
              layout.intensity.present() ? static_cast<float>(value(layout.intensity)) : 0.0F);

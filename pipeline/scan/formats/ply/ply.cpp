@@ -75,12 +75,19 @@ VertexColumns vertex_columns(const ScanFile& file, const Element& vertex) {
   columns.blue = vertex.find({"blue", "diffuse_blue", "b"});
   columns.alpha = vertex.find({"alpha", "diffuse_alpha"});
   columns.intensity = vertex.find({"intensity", "scalar_intensity", "reflectance"});
+  const auto is_packed = [](const Property& property) {
+    return !property.count_type && (property.type == ScalarType::u32 || property.type == ScalarType::i32);
+  };
+  const int packed = vertex.find({"rgb"});
+  if (packed >= 0 && !columns.has_colour() && is_packed(vertex.properties[static_cast<std::size_t>(packed)]))
+    columns.packed = packed;
   columns.splats = vertex.find({"f_dc_0"}) >= 0 && vertex.find({"f_dc_1"}) >= 0 && vertex.find({"f_dc_2"}) >= 0;
   if (columns.splats && !columns.has_colour()) {
     columns.red = vertex.find({"f_dc_0"});
     columns.green = vertex.find({"f_dc_1"});
     columns.blue = vertex.find({"f_dc_2"});
     columns.alpha = -1;
+    columns.packed = -1;
     columns.splat_colour = true;
   }
   columns.opacity = vertex.find({"opacity"});
@@ -242,7 +249,8 @@ void read_ply(const ScanFile& file, ScanWriter& out) {
     faces += element.count;
     if (element.find({"red", "diffuse_red", "r"}) >= 0) coloured += element.count;
   }
-  if (coloured > 0 && !columns.has_colour()) scan.warnings.push_back(unused_face_colours(coloured));
+  if (coloured > 0 && !columns.has_colour() && columns.packed < 0)
+    scan.warnings.push_back(unused_face_colours(coloured));
   out.expect_mesh(vertex->count, faces);
   const Paint paint = ply::paint_of(file, header, out);
   if (paint.any() && !columns.has_colour()) scan.fields.insert(scan.fields.end(), {"red", "green", "blue"});

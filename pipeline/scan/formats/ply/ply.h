@@ -64,6 +64,7 @@ struct Header {
 struct VertexColumns {
   int x = -1, y = -1, z = -1;
   int red = -1, green = -1, blue = -1, alpha = -1;
+  int packed = -1;  ///< may be colours in one whole number, where there are no others; see PackedColours
   int intensity = -1;
   int nx = -1, ny = -1, nz = -1;
   int opacity = -1;
@@ -89,6 +90,27 @@ struct VertexField {
 
   [[nodiscard]] double value(double stored) const { return logit ? 1.0 / (1.0 + std::exp(-stored)) : stored / whole; }
 };
+/// Whether whole numbers of 32 bits may be colours, 0xRRGGBB below a byte that is the same in all of them.
+class PackedColours {
+ public:
+  void look(double stored) {
+    const std::uint32_t top = bits(stored) >> 24;
+    good_ = good_ && (!top_ || *top_ == top);
+    top_ = top;
+  }
+  [[nodiscard]] bool good() const { return good_; }
+  [[nodiscard]] static std::uint32_t rgba(double stored) { return unpack_argb(bits(stored), true); }
+
+ private:
+  static std::uint32_t bits(double stored) {
+    constexpr double kWhole = 9e15;  // text may hold any number
+    return std::fabs(stored) < kWhole ? static_cast<std::uint32_t>(static_cast<std::int64_t>(stored)) : 0;
+  }
+
+  bool good_ = true;
+  std::optional<std::uint32_t> top_;
+};
+
 /// Whether splats' opacities are logits, as training writes them, or what some programs write in their place: 0 to 1,
 /// or whole numbers up to 255 or 65535. Logits from 0 to 1 alone would be a cloud whose splats all let a quarter to
 /// half of the light through.

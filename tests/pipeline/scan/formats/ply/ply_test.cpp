@@ -162,6 +162,38 @@ TEST(PlyReader, ReadsColoursOfBytesWordsAndFractionsAndIntensity) {
   EXPECT_THAT(scan.intensity, ElementsAre(7.5F));
 }
 
+TEST(PlyReader, ReadsColoursThatArePackedIntoOneNumber) {
+  const ScanFolder folder;
+  const auto file_of = [](bool ascii, const std::string& properties, const std::vector<std::uint32_t>& values) {
+    std::string bytes = header(ascii ? "ascii" : "binary_big_endian",
+                               fmt::format("element vertex {}\n", values.size()) + kXyz + properties);
+    for (const std::uint32_t value : values) {
+      if (ascii) {
+        bytes += fmt::format("0 0 0 {}\n", value);
+        continue;
+      }
+      for (int i = 0; i < 3; ++i) put(bytes, 1.0F, true);
+      if (properties.find("list") != std::string::npos) bytes += '\0';
+      put(bytes, value, true);
+    }
+    return bytes;
+  };
+  const std::string packed = "property uint rgb\n";
+  for (const std::uint32_t top : {0U, 0xFF000000U}) {
+    const std::vector<std::uint32_t> values = {top | 0x0A141EU, top | 0xFFFFFFU, top};
+    for (const std::string& file :
+         {file_of(true, packed, values), file_of(false, packed, values), file_of(false, "property int rgb\n", values),
+          file_of(false, "property list uchar uchar tags\n" + packed, values)}) {
+      const RawScan scan = folder.read("p.ply", file);
+      EXPECT_THAT(scan.rgba, ElementsAre(0xFF1E140AU, 0xFFFFFFFFU, 0xFF000000U));
+      EXPECT_TRUE(scan.warnings.empty());
+    }
+    // Other numbers of that name are no colours.
+    for (const bool ascii : {false, true})
+      EXPECT_TRUE(folder.read("p.ply", file_of(ascii, packed, {5, 0x01000000U, 0x7F000000U})).rgba.empty());
+  }
+}
+
 TEST(PlyReader, PassesOverElementsBeforeTheVerticesAndListsAnywhere) {
   const ScanFolder folder;
   const std::string elements =
