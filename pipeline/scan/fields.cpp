@@ -43,7 +43,8 @@ std::string field_key(std::string_view name) {
 }
 
 bool tells_worth(std::string_view key) {
-  static constexpr std::array<std::string_view, 4> kNames = {PointField::kClass, "confidence", "quality", "opacity"};
+  static constexpr std::array<std::string_view, 5> kNames = {PointField::kClass, "confidence", "quality", "opacity",
+                                                             "withheld"};
   return is_among(key, kNames);
 }
 

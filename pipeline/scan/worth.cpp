@@ -1,9 +1,10 @@
 // Only meanings that standards and habit give without doubt are taken: LAS classes 7 and 18; a confidence of 0, or
-// below half of a scale that ends at 1 or 100; an opacity below half.
+// below half of a scale that ends at 1 or 100; an opacity below half; a mark of 1 on withheld points.
 #include "pipeline/scan/worth.h"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -75,6 +76,18 @@ void judge_opacity(const FieldTally& tally, Worth& worth) {
                   worth);
 }
 
+/// LAS flags so what was deleted, and other formats have its flag as a column.
+void judge_withheld(const FieldTally& tally, Worth& worth) {
+  const bool is_flag = tally.is_whole() && tally.least() == 0.0F && tally.most() == 1.0F;
+  if (!is_flag) return;
+  scene::FieldConfig field;
+  field.name = tally.name();
+  field.max = 0.0;
+  worth.filter = field;
+  worth.kept = worth.points - tally.count(1);
+  worth.reason = part(tally.count(1), worth.points) + " are withheld, as LAS flags what was deleted";
+}
+
 }  // namespace
 
 std::string Worth::text() const {
@@ -82,7 +95,9 @@ std::string Worth::text() const {
     return fmt::format("classes: {{drop: [{}]}}", fmt::join(classes->drop, ", "));
   }
   const auto& limits = std::get<scene::FieldConfig>(*filter);
-  return fmt::format("field: {{name: {}, min: {}}}", limits.name, exact_text(limits.min));
+  const bool above = std::isfinite(limits.max);
+  return fmt::format("field: {{name: {}, {}: {}}}", limits.name, above ? "max" : "min",
+                     exact_text(above ? limits.max : limits.min));
 }
 
 bool leaves_enough(const Worth& worth) {
@@ -131,7 +146,8 @@ std::vector<Worth> worth_of(const std::vector<FieldTally>& tallies) {
     if (tally.name() == PointField::kClass) judge_classes(tally, worth);
     if (tally.name() == "confidence") judge_confidence(tally, worth);
     if (tally.name() == "opacity") judge_opacity(tally, worth);
-    if (!worth.filter && tally.name() == PointField::kClass) continue;
+    if (tally.name() == "withheld") judge_withheld(tally, worth);
+    if (!worth.filter && (tally.name() == PointField::kClass || tally.name() == "withheld")) continue;
     if (!worth.filter) {
       worth.reason =
           fmt::format("'{}' of the points is {} to {}", tally.name(), number(tally.least()), number(tally.most()));

@@ -41,7 +41,9 @@ void WorthBlock::add_filter(const Worth& worth, const std::string& reason) {
   }
   known->reason += "; " + reason;
   if (auto* field = std::get_if<scene::FieldConfig>(&*known->worth.filter)) {
-    field->min = std::min(field->min, std::get<scene::FieldConfig>(*worth.filter).min);
+    const auto& other = std::get<scene::FieldConfig>(*worth.filter);
+    field->min = std::min(field->min, other.min);
+    field->max = std::max(field->max, other.max);
     return;
   }
   std::vector<int>& drop = std::get<scene::ClassesConfig>(*known->worth.filter).drop;

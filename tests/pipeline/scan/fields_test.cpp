@@ -1,10 +1,13 @@
 // What scans say of their points beside places and colours: read when it is asked for, counted, and judged.
 #include "pipeline/scan/fields.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "base/threads/progress.h"
 #include "pipeline/scan/set.h"
@@ -324,6 +327,35 @@ TEST(Worth, IsProposedWhereTheMeaningIsKnown) {
   EXPECT_EQ(proposed("opacity", {0.004F, 0.98F}), "field: {name: opacity, min: 0.5}");
   EXPECT_EQ(proposed("opacity", {0.0F, 255.0F}), "field: {name: opacity, min: 128}");
   EXPECT_EQ(proposed("intensity", {0.0F, 255.0F}), "nothing");
+  EXPECT_EQ(proposed("withheld", {0.0F, 1.0F, 0.0F}), "field: {name: withheld, max: 0}");
+  EXPECT_EQ(proposed("withheld", {1.0F, 1.0F}), "nothing");
+  EXPECT_EQ(proposed("withheld", {0.0F, 7.0F}), "nothing");
+}
+
+TEST(Worth, OfPointsThatAnyFormatMarksAsWithheldIsToLeaveThemOut) {
+  const ScanFolder folder;
+  std::string rows;
+  for (int k = 0; k < 500; ++k) rows += fmt::format("{} {} 0.5 {}\n", k % 25, k / 25, k % 10 == 0 ? 1 : 0);
+  std::string csv = "x,y,z,withheld\n" + rows;
+  std::replace(csv.begin(), csv.end(), ' ', ',');
+  const std::pair<std::string, std::string> files[] = {
+      {"w.csv", csv},
+      {"w.ply",
+       "ply\nformat ascii 1.0\nelement vertex 500\nproperty float x\nproperty float y\nproperty float z\nproperty "
+       "float "
+       "scalar_Withheld\nend_header\n" +
+           rows},
+      {"w.pcd",
+       "FIELDS x y z withheld\nSIZE 4 4 4 1\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 500\nHEIGHT 1\nPOINTS "
+       "500\nDATA ascii\n" +
+           rows}};
+  for (const auto& [name, bytes] : files) {
+    const std::vector<Worth> worth = worth_of(folder.read(name, bytes).tallies);
+    ASSERT_EQ(worth.size(), 1U) << name;
+    EXPECT_EQ(worth[0].text(), "field: {name: withheld, max: 0}");
+    EXPECT_EQ(worth[0].kept, 450U);
+    EXPECT_THAT(worth[0].reason, ::testing::StartsWith("50 of 500 points (10 %) are withheld"));
+  }
 }
 
 TEST(ScanStatistics, HasThePointsThatTheProposedFilterLeavesInMemoryAndStreamed) {
