@@ -120,7 +120,8 @@ struct PointBlock {
 using PointSink = std::function<void(const PointBlock&)>;
 
 /// read_scan in constant memory for the points: they go to `sink` block by block, in the file's order, and the result
-/// holds all the rest (faces too). Several threads may stream different files.
+/// holds all the rest (faces too, but polygons as fans, right only where they are convex). Several threads may stream
+/// different files.
 RawScan stream_scan(const std::filesystem::path& file, const PointSink& sink, const Progress* progress = nullptr,
                     const ReadOptions& options = {});
 

@@ -1,11 +1,20 @@
+// Ears are cut as of Meisters 1975; corners of equal place, as of Eberly 2002, do not block each other.
 #include "pipeline/scan/triangulate.h"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <optional>
+#include <queue>
 
 #include <Eigen/Geometry>
 
 namespace sparsha::pipeline {
 namespace {
 
-constexpr std::size_t kMostCorners = 64;
+/// Corners looked at for one polygon, those that need arithmetic counted kArithmetic times: about a second.
+constexpr std::uint64_t kMostTests = 600'000'000;
+constexpr std::uint64_t kArithmetic = 16;
 
 struct Corner {
   std::uint32_t index;
@@ -17,9 +26,15 @@ double turn(const Corner& a, const Corner& b, const Corner& c) {
   return (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
 }
 
+bool goes_back(const Corner& a, const Corner& b, const Corner& c) {
+  return (b.u - a.u) * (c.u - b.u) + (b.v - a.v) * (c.v - b.v) < 0.0;
+}
+
 bool contains(const Corner& a, const Corner& b, const Corner& c, const Corner& p) {
   return turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0;
 }
+
+bool same_place(const Corner& a, const Corner& b) { return a.u == b.u && a.v == b.v; }
 
 /// Corners along the two axes across which the polygon's area vector (Newell 1972) is largest.
 std::vector<Corner> flatten(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3d> points) {
@@ -44,25 +59,145 @@ std::vector<Corner> flatten(std::span<const std::uint32_t> corners, std::span<co
   return flat;
 }
 
+/// A slit has no turn at its end, but goes back there.
 bool is_convex(const std::vector<Corner>& flat) {
   const std::size_t n = flat.size();
   for (std::size_t i = 0; i < n; ++i) {
-    if (turn(flat[i], flat[(i + 1) % n], flat[(i + 2) % n]) < 0.0) return false;
+    const Corner& b = flat[(i + 1) % n];
+    const Corner& c = flat[(i + 2) % n];
+    const double t = turn(flat[i], b, c);
+    if (t < 0.0 || (t == 0.0 && goes_back(flat[i], b, c))) return false;
   }
   return true;
 }
 
-bool is_ear(const std::vector<Corner>& left, std::size_t i) {
-  const std::size_t n = left.size();
-  const Corner& a = left[(i + n - 1) % n];
-  const Corner& b = left[i];
-  const Corner& c = left[(i + 1) % n];
-  if (turn(a, b, c) <= 0.0) return false;
-  for (const Corner& p : left) {
-    if (p.index != a.index && p.index != b.index && p.index != c.index && contains(a, b, c, p)) return false;
+/// Cuts the first ear of an outline until a triangle is left. Only the two corners beside a cut can become ears by it,
+/// and only reflex or straight corners can block one.
+class EarCutter {
+ public:
+  explicit EarCutter(const std::vector<Corner>& outline) : corners_(outline), states_(outline.size()) {
+    const std::size_t n = outline.size();
+    for (std::size_t i = 0; i < n; ++i) states_[i] = {(i + n - 1) % n, (i + 1) % n};
+    std::vector<std::size_t> order(n);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return outline[a].u < outline[b].u; });
+    across_.reserve(n);
+    for (std::size_t rank = 0; rank < n; ++rank) {
+      across_.push_back({outline[order[rank]]});
+      states_[order[rank]].rank = rank;
+    }
+    for (std::size_t i = 0; i < n; ++i) look_at_turn(i);
+    look_for_ears();
   }
-  return true;
-}
+
+  /// False when it takes too long; then only some of the triangles are there.
+  bool cut(std::vector<std::array<std::uint32_t, 3>>& triangles) {
+    for (std::size_t left = corners_.size(); left > 3; --left) {
+      if (tests_ > kMostTests) return false;
+      const std::size_t b = next_ear();
+      const auto [a, c] = states_[b].beside;
+      triangles.push_back({corners_[a].index, corners_[b].index, corners_[c].index});
+      states_[b].is_there = false;
+      blocks(b) = false;
+      states_[a].beside[1] = c;
+      states_[c].beside[0] = a;
+      look_at_turn(a);
+      look_at_turn(c);
+      look_at_ear(a);
+      look_at_ear(c);
+    }
+    const std::size_t first = first_where([](const State&) { return true; }).value_or(0);
+    const std::size_t second = states_[first].beside[1];
+    triangles.push_back({corners_[first].index, corners_[second].index, corners_[states_[second].beside[1]].index});
+    return true;
+  }
+
+ private:
+  struct State {
+    std::array<std::size_t, 2> beside{};  ///< the corners before and behind it that are not cut
+    std::size_t rank = 0;                 ///< in across_
+    bool is_there = true;
+    bool is_straight = false;
+  };
+  struct Blocker {
+    Corner corner;
+    bool blocks = false;  ///< not cut, and reflex or straight
+  };
+
+  bool& blocks(std::size_t i) { return across_[states_[i].rank].blocks; }
+
+  void look_at_turn(std::size_t b) {
+    State& state = states_[b];
+    const double t = turn(corners_[state.beside[0]], corners_[b], corners_[state.beside[1]]);
+    state.is_straight = t == 0.0;
+    blocks(b) = !(t > 0.0);
+  }
+
+  bool is_ear(std::size_t i) {
+    if (blocks(i)) return false;
+    const Corner& a = corners_[states_[i].beside[0]];
+    const Corner& b = corners_[i];
+    const Corner& c = corners_[states_[i].beside[1]];
+    const auto [left, right] = std::minmax({a.u, b.u, c.u});
+    const auto [low, high] = std::minmax({a.v, b.v, c.v});
+    auto at = std::lower_bound(across_.begin(), across_.end(), left,
+                               [](const Blocker& p, double u) { return p.corner.u < u; });
+    for (; at != across_.end() && at->corner.u <= right; ++at) {
+      ++tests_;
+      const Corner& p = at->corner;
+      if (!at->blocks || p.v < low || p.v > high) continue;
+      tests_ += kArithmetic;
+      if (!same_place(p, a) && !same_place(p, b) && !same_place(p, c) && contains(a, b, c, p)) return false;
+    }
+    return true;
+  }
+  void look_at_ear(std::size_t i) {
+    if (is_ear(i)) ears_.push(i);
+  }
+  void look_for_ears() {
+    for (std::size_t i = 0; i < states_.size() && tests_ <= kMostTests; ++i) {
+      if (states_[i].is_there) look_at_ear(i);
+    }
+  }
+
+  template <typename Test>
+  std::optional<std::size_t> first_where(const Test& test) {
+    tests_ += states_.size();
+    for (std::size_t i = 0; i < states_.size(); ++i) {
+      if (states_[i].is_there && test(states_[i])) return i;
+    }
+    return std::nullopt;
+  }
+
+  /// Of those found so far; they stay ears unless the outline crosses itself.
+  std::optional<std::size_t> found_ear() {
+    while (!ears_.empty()) {
+      const std::size_t i = ears_.top();
+      ears_.pop();
+      if (states_[i].is_there && is_ear(i)) return i;
+    }
+    return std::nullopt;
+  }
+
+  std::size_t next_ear() {
+    std::optional<std::size_t> ear = found_ear();
+    // Ends of slits and corners on straight sides hold no area.
+    if (!ear) ear = first_where([](const State& state) { return state.is_straight; });
+    if (!ear) {
+      look_for_ears();
+      ear = found_ear();
+    }
+    // Crosses itself: no ear is right, any keeps the outline closed.
+    if (!ear) ear = first_where([](const State&) { return true; });
+    return ear.value_or(0);
+  }
+
+  const std::vector<Corner>& corners_;
+  std::vector<State> states_;
+  std::vector<Blocker> across_;  ///< all corners by u
+  std::priority_queue<std::size_t, std::vector<std::size_t>, std::greater<>> ears_;
+  std::uint64_t tests_ = 0;
+};
 
 }  // namespace
 
@@ -70,27 +205,20 @@ void triangulate_as_fan(std::span<const std::uint32_t> corners, std::vector<std:
   for (std::size_t i = 2; i < corners.size(); ++i) triangles.push_back({corners[0], corners[i - 1], corners[i]});
 }
 
-void triangulate(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3d> points,
+bool triangulate(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3d> points,
                  std::vector<std::array<std::uint32_t, 3>>& triangles) {
-  if (corners.size() < 3) return;
-  if (corners.size() == 3 || corners.size() > kMostCorners) {
-    triangulate_as_fan(corners, triangles);
-    return;
+  if (corners.size() > 3) {
+    const std::vector<Corner> outline = flatten(corners, points);
+    if (!is_convex(outline)) {
+      const std::size_t before = triangles.size();
+      if (outline.size() <= kMostCornersCut && EarCutter(outline).cut(triangles)) return true;
+      triangles.resize(before);
+      triangulate_as_fan(corners, triangles);
+      return false;
+    }
   }
-  std::vector<Corner> left = flatten(corners, points);
-  if (is_convex(left)) {
-    triangulate_as_fan(corners, triangles);
-    return;
-  }
-  while (left.size() > 3) {
-    const std::size_t n = left.size();
-    std::size_t ear = 0;
-    while (ear < n && !is_ear(left, ear)) ++ear;
-    if (ear == n) ear = 0;  // crosses itself: no ear is right, any keeps the outline closed
-    triangles.push_back({left[(ear + n - 1) % n].index, left[ear].index, left[(ear + 1) % n].index});
-    left.erase(left.begin() + static_cast<std::ptrdiff_t>(ear));
-  }
-  triangles.push_back({left[0].index, left[1].index, left[2].index});
+  triangulate_as_fan(corners, triangles);
+  return true;
 }
 
 }  // namespace sparsha::pipeline
