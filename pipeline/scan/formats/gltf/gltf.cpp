@@ -20,6 +20,7 @@
 #include "pipeline/scan/formats/gltf/draco.hpp"
 #include "pipeline/scan/formats/gltf/look.hpp"
 #include "pipeline/scan/formats/gltf/scene.hpp"
+#include "pipeline/scan/formats/gltf/shared_vertices.hpp"
 #include "pipeline/scan/formats/gltf/splats.hpp"
 #include "pipeline/scan/text.h"
 
@@ -70,12 +71,17 @@ struct Primitive {
   Place place;
   Mode mode = Mode::triangles;
   Accessor positions;
+  std::uint64_t source = 0;  ///< positions of one source are the same
   std::optional<Accessor> normals, colours, indices;
   gltf::Look look;
   std::optional<Accessor> texture;  ///< coordinates, where the look's picture can be read
   std::optional<gltf::Splats> splats;
   std::vector<std::pair<std::string, Accessor>> numbers;  ///< attributes of its own with one number each
 
+  [[nodiscard]] gltf::SharedVertices::Use use() const {
+    const bool some = indices && mode != Mode::points && !splats;
+    return {source, positions.size(), some ? &*indices : nullptr};
+  }
   [[nodiscard]] std::uint64_t triangles() const {
     const std::uint64_t corners = indices ? indices->size() : positions.size();
     if (mode == Mode::points || corners < 3) return 0;
@@ -103,9 +109,13 @@ class Reader {
     for (const gltf::Instance& instance : shown.instances) {
       (void)document_.item("meshes", instance.mesh, "nodes");
       std::vector<Primitive>& mesh = meshes[static_cast<std::size_t>(instance.mesh)];
-      if (mesh.empty()) mesh = primitives_of(instance.mesh);
+      if (mesh.empty()) {
+        mesh = primitives_of(instance.mesh);
+        for (const Primitive& primitive : mesh) vertices_.look_at(primitive.use());
+      }
+      vertices_.stand_at(instance.place);
       for (const Primitive& primitive : mesh) {
-        total += primitive.positions.size();
+        total += vertices_.most_given_by(primitive.use());
         triangles += primitive.triangles();
       }
       refuse_many(total, triangles);
@@ -113,7 +123,9 @@ class Reader {
     out_.expect_mesh(total, triangles);
     name_fields(shown, meshes);
     out_.begin(total, colour_, false, normals_);
+    vertices_.begin_again();
     for (const gltf::Instance& instance : shown.instances) {
+      vertices_.stand_at(instance.place);
       for (Primitive& primitive : meshes[static_cast<std::size_t>(instance.mesh)]) add(primitive, instance.place);
     }
     warn(shown);
@@ -173,6 +185,7 @@ class Reader {
     Primitive primitive{place,
                         static_cast<Mode>(mode),
                         *accessor("POSITION"),
+                        packed ? next_of_its_own() : document_.required(*attributes, "POSITION", place),
                         accessor("NORMAL"),
                         accessor("COLOR_0"),
                         std::nullopt,
@@ -210,13 +223,25 @@ class Reader {
   }
 
   /// All of their numbers are in one stream; their accessors tell how many there are.
-  Primitive packed_splats(const Json& json, const Json& attributes, const Place& place) const {
+  Primitive packed_splats(const Json& json, const Json& attributes, const Place& place) {
     Accessor positions(document_, document_.required(attributes, "POSITION", place), place + ".POSITION",
                        Accessor::kFormOnly);
     std::optional<gltf::Splats> splats = gltf::Splats::of(document_, json, positions.size(), place);
-    return {place,        Mode::points, std::move(positions), std::nullopt,      std::nullopt,
-            std::nullopt, {},           std::nullopt,         std::move(splats), {}};
+    return {place,
+            Mode::points,
+            std::move(positions),
+            next_of_its_own(),
+            std::nullopt,
+            std::nullopt,
+            std::nullopt,
+            {},
+            std::nullopt,
+            std::move(splats),
+            {}};
   }
+
+  /// A source of positions that no other primitive has, beside those that are accessors' numbers.
+  std::uint64_t next_of_its_own() { return --own_source_; }
 
   void require(const Accessor& accessor, std::size_t least, std::size_t most, std::uint64_t size) const {
     if (accessor.components() < least || accessor.components() > most)
@@ -307,7 +332,10 @@ class Reader {
         primitive.texture ? pictures_.find(*primitive.look.image) : nullptr;
     const bool coloured = primitive.colours || picture || primitive.splats || (colour_ && primitive.look.factor);
     out_.set_attributes(coloured, false, primitive.normals.has_value());
-    for (std::uint64_t n = 0; n < primitive.positions.size(); ++n) {
+    const std::optional<std::vector<std::uint32_t>> some = vertices_.given_by(primitive.use());
+    const std::uint64_t count = some ? some->size() : primitive.positions.size();
+    for (std::uint64_t k = 0; k < count; ++k) {
+      const std::uint64_t n = some ? (*some)[k] : k;
       if (primitive.splats && !add_opacity(*primitive.splats, n)) continue;
       const Eigen::Vector3d at = linear * position(primitive, n) + shift;
       if (primitive.normals) {
@@ -324,10 +352,10 @@ class Reader {
       } else {
         out_.add(at.x(), at.y(), at.z());
       }
-      if ((n & 0xFFFF) == 0xFFFF) file_.throw_if_cancelled();
+      if ((k & 0xFFFF) == 0xFFFF) file_.throw_if_cancelled();
     }
     if (primitive.splats) primitive.splats->warn(out_.scan());
-    if (primitive.mode != Mode::points) add_faces(primitive, first, turns < 0.0);
+    if (primitive.mode != Mode::points) add_faces(primitive, some, first, turns < 0.0);
   }
 
   /// False, and an invalid record, for a splat that is no surface.
@@ -341,14 +369,21 @@ class Reader {
     return true;
   }
 
-  /// `mirrored`: the node's transform turns triangles inside out, which the standard undoes.
-  void add_faces(const Primitive& primitive, std::uint32_t first, bool mirrored) {
+  /// `some`: the vertices from record `first` on, where they are not all. `mirrored`: the node's transform turns
+  /// triangles inside out, which the standard undoes.
+  void add_faces(const Primitive& primitive, const std::optional<std::vector<std::uint32_t>>& some, std::uint32_t first,
+                 bool mirrored) {
     const std::uint64_t vertices = primitive.positions.size();
+    if (some) {
+      if (record_of_.size() < vertices) record_of_.resize(static_cast<std::size_t>(vertices));
+      for (std::uint32_t k = 0; k < some->size(); ++k) record_of_[(*some)[k]] = k;
+    }
     const std::uint64_t count = primitive.indices ? primitive.indices->size() : vertices;
     const auto corner = [&](std::uint64_t k) -> std::uint32_t {
       const std::uint64_t index = primitive.indices ? primitive.indices->index(k) : k;
       // One that does not exist is counted by finish().
-      return index < vertices ? first + static_cast<std::uint32_t>(index) : std::numeric_limits<std::uint32_t>::max();
+      if (index >= vertices) return std::numeric_limits<std::uint32_t>::max();
+      return first + (some ? record_of_[static_cast<std::size_t>(index)] : static_cast<std::uint32_t>(index));
     };
     const auto triangle = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
       if (mirrored) std::swap(b, c);
@@ -397,6 +432,9 @@ class Reader {
   ScanWriter& out_;
   Document document_;
   gltf::Pictures pictures_{document_};
+  gltf::SharedVertices vertices_;
+  std::vector<std::uint32_t> record_of_;  ///< of vertices that a primitive gives, behind its first record
+  std::uint64_t own_source_ = std::numeric_limits<std::uint64_t>::max();
   std::set<std::string> why_;  ///< textures are missing
   bool colour_ = false;
   bool normals_ = false;

@@ -230,6 +230,59 @@ TEST(GltfReader, StripsAndFansBecomeTrianglesWithTheSameOutside) {
   EXPECT_THAT(lines.warnings[0], HasSubstr("lines"));
 }
 
+TEST(GltfReader, PrimitivesThatShareVerticesGiveThoseThatTheirIndicesName) {
+  // Six vertices: a strip on three, triangles on three with one shared, and one that no index names.
+  const std::vector<float> places{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0, 7, 7, 7};
+  const auto corners = [](const RawScan& scan) {
+    std::vector<std::array<Eigen::Vector3d, 3>> triangles;
+    for (const auto& [a, b, c] : scan.faces) triangles.push_back({scan.points[a], scan.points[b], scan.points[c]});
+    return triangles;
+  };
+  const Eigen::Vector3d a(0, 0, 0), b(1, 0, 0), c(0, 1, 0), d(1, 1, 0), e(0, 2, 0), alone(7, 7, 7);
+  Maker maker;
+  const std::size_t positions = maker.numbers(places, kFloat, 3);
+  const std::size_t strip = maker.numbers<std::uint16_t>({0, 1, 2}, kUnsignedShort, 1);
+  const std::size_t list = maker.numbers<std::uint16_t>({4, 2, 3}, kUnsignedShort, 1);
+  const json first = {{"attributes", {{"POSITION", positions}}}, {"indices", strip}, {"mode", 5}};
+  const json second = {{"attributes", {{"POSITION", positions}}}, {"indices", list}};
+  maker.root["meshes"].push_back({{"primitives", json::array({first, second})}});
+  RawScan scan = read_scan_bytes(maker.glb(), "a.glb");
+  EXPECT_EQ(scan.points, (std::vector<Eigen::Vector3d>{a, b, c, alone, c, d, e}));
+  const std::vector<std::array<Eigen::Vector3d, 3>> wanted{{a, b, c}, {e, c, d}};
+  EXPECT_EQ(corners(scan), wanted);
+  EXPECT_THAT(scan.warnings, IsEmpty());
+
+  // As parts of their own, which stand apart.
+  maker.root["meshes"] = json::array({{{"primitives", json::array({first})}}, {{"primitives", json::array({second})}}});
+  maker.root["nodes"] = json::array({{{"mesh", 0}}, {{"mesh", 1}, {"translation", {0, 0, 5}}}});
+  maker.root["scenes"] = json::array({{{"nodes", {0, 1}}}});
+  scan = read_scan_bytes(maker.glb(), "a.glb");
+  const Eigen::Vector3d up(0, 0, 5);
+  EXPECT_EQ(scan.points, (std::vector<Eigen::Vector3d>{a, b, c, alone, c + up, d + up, e + up, alone + up}));
+
+  // A mesh alone gives all of its vertices in their order, and so do points beside it.
+  maker.root["scenes"] = json::array({{{"nodes", {0}}}});
+  const std::vector<Eigen::Vector3d> all{a, b, c, d, e, alone};
+  EXPECT_EQ(read_scan_bytes(maker.glb(), "a.glb").points, all);
+  const json points = {{"attributes", {{"POSITION", positions}}}, {"mode", 0}};
+  maker.root["meshes"] = json::array({{{"primitives", json::array({first, points})}}});
+  scan = read_scan_bytes(maker.glb(), "a.glb");
+  EXPECT_EQ(scan.points, (std::vector<Eigen::Vector3d>{a, b, c, a, b, c, d, e, alone}));
+}
+
+TEST(GltfReader, ManyPrimitivesOfOneAccessorAreNotRefusedAsRepeatedMeshes) {
+  constexpr std::uint32_t kVertices = 30'000;
+  Maker maker;
+  const std::size_t positions = maker.numbers(std::vector<float>(std::size_t{3} * kVertices, 1.0F), kFloat, 3);
+  json primitives = json::array();
+  for (std::uint32_t k = 0; k < 1000; ++k) {
+    const std::size_t indices = maker.numbers<std::uint32_t>({3 * k, 3 * k + 1, 3 * k + 2}, kUnsignedInt, 1);
+    primitives.push_back({{"attributes", {{"POSITION", positions}}}, {"indices", indices}});
+  }
+  maker.root["meshes"].push_back({{"primitives", primitives}});
+  EXPECT_EQ(read_scan_bytes(maker.glb(), "a.glb").records, kVertices);
+}
+
 TEST(GltfReader, WhatIsNotKnownIsRefusedByNameWithTheRemedy) {
   Maker maker = square();
   maker.root["extensionsRequired"] = {"ACME_secret"};
