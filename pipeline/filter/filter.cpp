@@ -11,6 +11,7 @@
 #include "base/numbers/statistics.h"
 #include "base/text/text.h"
 #include "pipeline/filter/clusters.h"
+#include "pipeline/filter/mesh_pieces.h"
 #include "pipeline/filter/neighbour_tree.h"
 #include "pipeline/filter/outliers.h"
 #include "pipeline/filter/plane.h"
@@ -188,29 +189,58 @@ class FilterRun {
 
   void apply(const scene::OutlierConfig& outliers) {
     step().outliers = true;
-    take_away(outliers.method == scene::OutlierConfig::Method::pcl
-                  ? statistical_inliers_by_pcl(cloud_, outliers, context_.progress)
-                  : statistical_inliers(cloud_, outliers, context_));
+    Flags keep = outliers.method == scene::OutlierConfig::Method::pcl
+                     ? statistical_inliers_by_pcl(cloud_, outliers, context_.progress)
+                     : statistical_inliers(cloud_, outliers, context_);
+    keep_corners_of_large_pieces(keep);
+    take_away(std::move(keep));
   }
 
   void apply(const scene::RadiusOutlierConfig& outliers) {
     step().outliers = true;
-    const Flags keep = outliers.method == scene::RadiusOutlierConfig::Method::pcl
-                           ? radius_inliers_by_pcl(cloud_, outliers, context_.progress)
-                           : radius_inliers(cloud_, outliers, context_);
+    Flags keep = outliers.method == scene::RadiusOutlierConfig::Method::pcl
+                     ? radius_inliers_by_pcl(cloud_, outliers, context_.progress)
+                     : radius_inliers(cloud_, outliers, context_);
+    keep_corners_of_large_pieces(keep);
     const auto gone = static_cast<std::size_t>(std::count(keep.begin(), keep.end(), std::uint8_t{0}));
     if (2 * gone > keep.size()) {
-      step().found = fmt::format(
+      const std::string most = fmt::format(
           "{} of the points have fewer than {} neighbours within {}; half of the points have "
           "their nearest one within {}",
           share_text(gone, keep.size()), outliers.neighbours, length_text(outliers.radius_m),
           length_text(spacing_of(cloud_, context_)));
       if (gone < keep.size()) {
-        context_.progress.warn("the filter 'radius_outliers' takes most of the points away: " + step().found +
+        context_.progress.warn("the filter 'radius_outliers' takes most of the points away: " + most +
                                "; give a larger radius_mm or fewer neighbours");
       }
+      step().found += (step().found.empty() ? "" : "; ") + most;
     }
-    take_away(keep);
+    take_away(std::move(keep));
+  }
+
+  /// Corners of large triangles lie far apart and are no noise. What is left of the mesh to take away are specks; says
+  /// so, and warns where these are much of it.
+  void keep_corners_of_large_pieces(Flags& keep) {
+    constexpr double kLargePiece = 0.01;  // of the area
+    constexpr double kMuch = 0.05;
+    if (cloud_.faces.empty() || share_of_area_lost(cloud_, keep) == 0.0) return;
+    const Flags stays = corners_of_large_pieces(cloud_, kLargePiece);
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i < keep.size(); ++i) {
+      if (keep[i] != 0 || stays[i] == 0) continue;
+      keep[i] = 1;
+      ++count;
+    }
+    if (count > 0) {
+      step().found = fmt::format("{} corner{} of triangles far from others stay{}, as part of a large surface",
+                                 count_text(count), count == 1 ? "" : "s", count == 1 ? "s" : "");
+    }
+    if (const double lost = share_of_area_lost(cloud_, keep); lost > kMuch) {
+      context_.progress.warn(fmt::format(
+          "the filter '{}' takes {:.0f} % of the meshes' area away: corners of triangles lie farther from each other "
+          "than points of a scan do; leave it out where there is a mesh, and take specks away by 'keep' or 'crop'",
+          step().name, 100.0 * lost));
+    }
   }
 
   void apply(const scene::RemovePlaneConfig& config) {

@@ -205,6 +205,79 @@ TEST(CropFilter, OfAMeshKeepsTheTrianglesWhoseCornersStayAndNoCornerWithoutOne) 
   EXPECT_TRUE(none.steps[0].found.empty());
 }
 
+/// A fine boss of 20 x 20 squares in the middle of a plate of eight triangles: most corners lie close together, those
+/// of the plate do not. A speck of one triangle floats above, with a corner that is stored twice.
+struct PlateWithBoss {
+  static constexpr std::uint32_t kSide = 21;
+  Points points;
+  std::vector<std::array<std::uint32_t, 3>> faces;
+
+  PlateWithBoss() {
+    for (std::uint32_t y = 0; y < kSide; ++y) {
+      for (std::uint32_t x = 0; x < kSide; ++x) points.push_back({static_cast<float>(x), static_cast<float>(y), 0.0F});
+    }
+    for (std::uint32_t y = 0; y + 1 < kSide; ++y) {
+      for (std::uint32_t x = 0; x + 1 < kSide; ++x) {
+        const std::uint32_t a = y * kSide + x;
+        faces.push_back({a, a + 1, a + kSide + 1});
+        faces.push_back({a, a + kSide + 1, a + kSide});
+      }
+    }
+    // The boss' corners again, as files do that store each triangle's own: the plate joins them by place.
+    const auto plate = static_cast<std::uint32_t>(points.size());
+    const float far = kSide - 1;
+    points.insert(points.end(), {{0, 0, 0}, {far, 0, 0}, {far, far, 0}, {0, far, 0}});
+    points.insert(points.end(), {{-90, -90, 0}, {110, -90, 0}, {110, 110, 0}, {-90, 110, 0}});
+    for (std::uint32_t k = 0; k < 4; ++k) {
+      const std::uint32_t next = (k + 1) % 4;
+      faces.push_back({plate + k, plate + 4 + k, plate + 4 + next});
+      faces.push_back({plate + k, plate + 4 + next, plate + next});
+    }
+    const auto speck = static_cast<std::uint32_t>(points.size());
+    points.insert(points.end(), {{0, 0, 300}, {3, 0, 300}, {0, 3, 300}});
+    faces.push_back({speck, speck + 1, speck + 2});
+  }
+};
+
+TEST(OutlierFilter, OfAMeshTakesSpecksAwayAndNoCornersOfALargeSurface) {
+  ThreadPool pool(1);
+  Progress progress;
+  const PlateWithBoss plate;
+  for (const scene::FilterConfig& filter : std::vector<scene::FilterConfig>{
+           scene::OutlierConfig{8, 1.0, scene::OutlierConfig::Method::fast}, scene::RadiusOutlierConfig{2.0, 3, {}}}) {
+    Cloud cloud = cloud_of(plate.points);
+    cloud.faces = plate.faces;
+    const FilterSteps steps = apply_filters(cloud, {filter}, {pool, progress});
+    EXPECT_EQ(steps.steps[0].removed, 3U) << steps.steps[0].name;
+    EXPECT_EQ(cloud.faces.size(), plate.faces.size() - 1);
+    EXPECT_THAT(steps.steps[0].found, ::testing::HasSubstr("corners of triangles far from others stay"));
+    // The same points without faces are a cloud: the plate's corners go.
+    Cloud points = cloud_of(plate.points);
+    apply_filters(points, {filter}, {pool, progress});
+    EXPECT_EQ(points.size(), plate.points.size() - 7);
+  }
+  EXPECT_THAT(progress.warnings(), ::testing::IsEmpty());
+}
+
+TEST(OutlierFilter, WarnsWhereMuchOfAMeshGoesSinceNothingJoinsIt) {
+  ThreadPool pool(1);
+  Progress progress;
+  // 400 triangles that touch none of the others, of which every fourth is large.
+  Cloud cloud;
+  Points points;
+  for (std::uint32_t k = 0; k < 400; ++k) {
+    const float x = 4.0F * static_cast<float>(k);
+    const float side = k % 4 == 0 ? 2.0F : 0.5F;
+    points.insert(points.end(), {{x, 0, 0}, {x + side, 0, 0}, {x, side, 0}});
+  }
+  cloud = cloud_of(points);
+  for (std::uint32_t k = 0; k < 400; ++k) cloud.faces.push_back({3 * k, 3 * k + 1, 3 * k + 2});
+  apply_filters(cloud, {scene::RadiusOutlierConfig{1.0, 2, {}}}, {pool, progress});
+  EXPECT_EQ(cloud.faces.size(), 300U);
+  // Of 100 large triangles of area 2 and 300 small ones of 1/8.
+  EXPECT_THAT(progress.warnings(), ::testing::ElementsAre(::testing::HasSubstr("takes 84 % of the meshes' area away")));
+}
+
 TEST(CropFilter, SaysSoWhenNothingIsLeft) {
   ThreadPool pool(1);
   Progress progress;
