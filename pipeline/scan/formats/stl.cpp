@@ -156,7 +156,7 @@ std::string_view from_facet(std::string_view text) {
 /// Statements of an ASCII file, which may stand in one line.
 class AsciiReader {
  public:
-  AsciiReader(const ScanFile& file, ScanWriter& out) : file_(file), sink_(out), lines_(file.bytes) {}
+  AsciiReader(const ScanFile& file, ScanWriter& out) : file_(file), out_(out), sink_(out), lines_(file.bytes) {}
 
   void read() {
     std::string_view line;
@@ -176,6 +176,11 @@ class AsciiReader {
       throw file_.error_at(lines_.number(), "the file ends within a solid", "'endsolid'; the file may be cut short");
     }
     if (!any_) throw no_facets(file_);
+    if (face_colours_ > 0) {
+      out_.scan().warnings.push_back(unused_face_colours(face_colours_));
+    } else if (solid_colours_ > 0) {
+      out_.scan().warnings.emplace_back("the colour of a solid is not used");
+    }
   }
 
  private:
@@ -184,6 +189,7 @@ class AsciiReader {
     if (word == "vertex") {
       vertex(rest);
     } else if (word == "facet") {
+      in_facet_ = true;
       std::string_view behind = rest;
       if (lower_case(take_word(behind)) == "normal") {
         for (int k = 0; k < 4; ++k) (void)take_word(rest);  // normal x y z
@@ -203,8 +209,12 @@ class AsciiReader {
       --solids_;
       rest = from_facet(rest);
       if (!rest.empty()) ++solids_;
+    } else if (word == "color") {
+      colour(rest);
+    } else if (word == "endfacet") {
+      in_facet_ = false;
     } else {
-      return word == "endfacet";
+      return false;
     }
     return true;
   }
@@ -215,6 +225,17 @@ class AsciiReader {
       if (lower_case(word) == "endsolid") return true;
     }
     return false;
+  }
+
+  /// Three or four numbers, which some programs write for a facet or a whole solid, in any order of statements.
+  void colour(std::string_view& rest) {
+    ++(in_facet_ ? face_colours_ : solid_colours_);
+    std::string_view behind = rest;
+    for (std::string_view word = take_word(behind); !word.empty(); word = take_word(behind)) {
+      double value = 0.0;
+      if (parse_number(word.data(), word.data() + word.size(), value) != word.data() + word.size()) return;
+      rest = behind;
+    }
   }
 
   void vertex(std::string_view& rest) {
@@ -240,11 +261,14 @@ class AsciiReader {
   }
 
   const ScanFile& file_;
+  ScanWriter& out_;
   TriangleSink sink_;
   LineReader lines_;
   std::array<std::uint32_t, 3> corners_{};
   std::size_t found_ = 0;
   bool in_loop_ = false;
+  bool in_facet_ = false;
+  std::uint64_t face_colours_ = 0, solid_colours_ = 0;
   int solids_ = 0;
   bool any_ = false;
 };

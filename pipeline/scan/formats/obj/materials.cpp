@@ -140,8 +140,8 @@ class Painter {
     } else if (begins_with(statement, "usemtl")) {
       const auto found = maps_.find(rest_of(statement));
       map_ = found == maps_.end() ? nullptr : &found->second;
-    } else if (begins_with(statement, "f")) {
-      face(statement.substr(1));
+    } else if (const std::size_t keyword = face_keyword(statement); keyword > 0) {
+      face(statement.substr(keyword));
     }
   }
 

@@ -43,8 +43,8 @@ class Reader {
     while (statements.next(statement)) {
       if (is_vertex(statement)) {
         vertex(statement, statements.number());
-      } else if (statement[0] == 'f' && statement.size() > 1 && is_blank(statement[1])) {
-        face(statement, statements.number());
+      } else if (const std::size_t keyword = obj::face_keyword(statement); keyword > 0) {
+        face(statement.substr(keyword), statements.number());
         ++faces_;
       } else {
         count_other(statement);
@@ -236,9 +236,8 @@ class Reader {
     ++vertices_;
   }
 
-  void face(std::string_view statement, int line) {
+  void face(std::string_view rest, int line) {
     constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-    std::string_view rest = statement.substr(1);
     corners_.clear();
     int zeros = 0;
     for (std::string_view word = take_word(rest); !word.empty() && word[0] != '#'; word = take_word(rest)) {
@@ -304,7 +303,8 @@ class Reader {
 }  // namespace
 
 bool is_obj(const ScanFile& file) {
-  static constexpr std::string_view kKeywords[] = {"v", "vn", "vt", "f", "o", "g", "s", "mtllib", "usemtl", "l", "p"};
+  static constexpr std::string_view kKeywords[] = {"v", "vn", "vt",     "f",      "fo", "o",
+                                                   "g", "s",  "mtllib", "usemtl", "l",  "p"};
   Statements statements(file.bytes.substr(0, 1 << 16));
   std::string_view statement;
   for (int seen = 0; seen < 16 && statements.next(statement); ++seen) {
@@ -313,7 +313,7 @@ bool is_obj(const ScanFile& file) {
     bool known = false;
     for (const std::string_view keyword : kKeywords) known = known || word == keyword;
     if (!known) return false;
-    if (word == "v" || word == "f" || word == "mtllib") return true;
+    if (word == "v" || word == "f" || word == "fo" || word == "mtllib") return true;
   }
   return false;
 }

@@ -54,4 +54,9 @@ class Statements {
   return statement.size() > keyword.size() && statement.starts_with(keyword) && is_blank(statement[keyword.size()]);
 }
 
+/// "f", and "fo" as the first files of Wavefront's own programs have it; 0 for others, else the keyword's length.
+[[nodiscard]] inline std::size_t face_keyword(std::string_view statement) {
+  return begins_with(statement, "f") ? 1 : begins_with(statement, "fo") ? 2 : 0;
+}
+
 }  // namespace sparsha::pipeline::obj

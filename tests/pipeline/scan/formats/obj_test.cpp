@@ -30,6 +30,13 @@ TEST(ObjReader, ReadsVerticesAndFacesOfEverySpelling) {
   EXPECT_TRUE(scan.warnings.empty());
 }
 
+TEST(ObjReader, ReadsFacesOfTheOldKeyword) {
+  const ScanFolder folder;
+  const RawScan scan = folder.read("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nfo 1 2 3\nfo 2/1 4/1 3/1\n");
+  EXPECT_THAT(scan.faces, ElementsAre(Face{0, 1, 2}, Face{1, 3, 2}));
+  EXPECT_THAT(scan.warnings, IsEmpty());
+}
+
 TEST(ObjReader, ReadsCrlfBlankLinesContinuationsAndNoLastLineEnd) {
   const ScanFolder folder;
   const RawScan scan = folder.read("a.obj", "\r\nv 0 0 \\\r\n 0\r\n\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 \\\r\n2 \\\r\n3");

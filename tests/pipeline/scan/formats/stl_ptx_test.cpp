@@ -91,6 +91,23 @@ TEST(StlReader, SaysThatColoursOfFacesAreNotUsed) {
   EXPECT_THAT(warnings("other", 0xFFFF, 0xFFFF), IsEmpty());
 }
 
+TEST(StlReader, PassesOverColoursInText) {
+  const ScanFolder folder;
+  const std::string loop = "outer loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\n";
+  const std::vector<std::string> facets = {"facet normal 0 0 1\ncolor 0.5 0.5 0.5\n" + loop + "endfacet\n",
+                                           "facet normal 0 0 1\n" + loop + "  COLOR 1 0 0 1\nendfacet\n",
+                                           "facet normal 0 0 1 color 255 0 0 " + loop + "endfacet\n"};
+  for (const std::string& facet : facets) {
+    const RawScan scan = folder.read("a.stl", "solid a\n" + facet + "endsolid a\n");
+    EXPECT_THAT(scan.faces, ElementsAre(Face{0, 1, 2})) << facet;
+    EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("colour of 1 face is not used"))) << facet;
+  }
+  const RawScan whole =
+      folder.read("a.stl", "solid a\ncolor 0.5 0.5 0.5\nfacet normal 0 0 1\n" + loop + "endfacet\nendsolid a\n");
+  EXPECT_EQ(whole.faces.size(), 1U);
+  EXPECT_THAT(whole.warnings, ElementsAre(HasSubstr("colour of a solid is not used")));
+}
+
 TEST(StlReader, CountsInvalidVertices) {
   const ScanFolder folder;
   std::vector<float> coordinates = kTwoTriangles;
