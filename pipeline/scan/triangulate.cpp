@@ -2,6 +2,7 @@
 #include "pipeline/scan/triangulate.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numeric>
 #include <optional>
@@ -96,7 +97,7 @@ class EarCutter {
       if (tests_ > kMostTests) return false;
       const std::size_t b = next_ear();
       const auto [a, c] = states_[b].beside;
-      triangles.push_back({corners_[a].index, corners_[b].index, corners_[c].index});
+      add(a, b, c, triangles);
       states_[b].is_there = false;
       blocks(b) = false;
       states_[a].beside[1] = c;
@@ -106,10 +107,21 @@ class EarCutter {
       look_at_ear(a);
       look_at_ear(c);
     }
-    const std::size_t first = first_where([](const State&) { return true; }).value_or(0);
+    std::size_t first = 0;
+    while (!states_[first].is_there) ++first;
     const std::size_t second = states_[first].beside[1];
-    triangles.push_back({corners_[first].index, corners_[second].index, corners_[states_[second].beside[1]].index});
+    add(first, second, states_[second].beside[1], triangles);
     return true;
+  }
+
+  /// After cut(): whether the triangles' areas add up to the polygon's, but for a thousandth and rounding.
+  [[nodiscard]] bool fits() const {
+    constexpr double kShare = 1e-3;
+    constexpr double kRounding = 1e-9;
+    const auto [low, high] = std::minmax_element(corners_.begin(), corners_.end(),
+                                                 [](const Corner& a, const Corner& b) { return a.v < b.v; });
+    const double longest = std::max(high->v - low->v, across_.back().corner.u - across_.front().corner.u);
+    return covered_ - enclosed_ <= kShare * covered_ + kRounding * longest * longest;
   }
 
  private:
@@ -117,7 +129,7 @@ class EarCutter {
     std::array<std::size_t, 2> beside{};  ///< the corners before and behind it that are not cut
     std::size_t rank = 0;                 ///< in across_
     bool is_there = true;
-    bool is_straight = false;
+    double area = 0.0;  ///< twice that of the triangle with those beside it
   };
   struct Blocker {
     Corner corner;
@@ -126,15 +138,23 @@ class EarCutter {
 
   bool& blocks(std::size_t i) { return across_[states_[i].rank].blocks; }
 
+  void add(std::size_t a, std::size_t b, std::size_t c, std::vector<std::array<std::uint32_t, 3>>& triangles) {
+    triangles.push_back({corners_[a].index, corners_[b].index, corners_[c].index});
+    const double t = turn(corners_[a], corners_[b], corners_[c]);
+    covered_ += std::abs(t);
+    enclosed_ += t;
+  }
+
   void look_at_turn(std::size_t b) {
     State& state = states_[b];
     const double t = turn(corners_[state.beside[0]], corners_[b], corners_[state.beside[1]]);
-    state.is_straight = t == 0.0;
+    state.area = std::abs(t);
     blocks(b) = !(t > 0.0);
   }
 
   bool is_ear(std::size_t i) {
     if (blocks(i)) return false;
+    tests_ += kArithmetic;
     const Corner& a = corners_[states_[i].beside[0]];
     const Corner& b = corners_[i];
     const Corner& c = corners_[states_[i].beside[1]];
@@ -160,13 +180,14 @@ class EarCutter {
     }
   }
 
-  template <typename Test>
-  std::optional<std::size_t> first_where(const Test& test) {
+  /// Of the triangles that corners make with those beside them, the one with the least area.
+  std::size_t least() {
     tests_ += states_.size();
+    std::size_t best = states_.size();
     for (std::size_t i = 0; i < states_.size(); ++i) {
-      if (states_[i].is_there && test(states_[i])) return i;
+      if (states_[i].is_there && (best == states_.size() || states_[i].area < states_[best].area)) best = i;
     }
-    return std::nullopt;
+    return best;
   }
 
   /// Of those found so far; they stay ears unless the outline crosses itself.
@@ -179,17 +200,19 @@ class EarCutter {
     return std::nullopt;
   }
 
+  /// Where there is none, the ends of slits and corners on straight sides are left, which hold no area, or the outline
+  /// crosses itself, if only by rounding: any cut keeps it closed.
   std::size_t next_ear() {
     std::optional<std::size_t> ear = found_ear();
-    // Ends of slits and corners on straight sides hold no area.
-    if (!ear) ear = first_where([](const State& state) { return state.is_straight; });
     if (!ear) {
+      // Tests that fail in no order are slow; only outlines that cross themselves need many here.
+      constexpr std::uint64_t kAgain = 4;
+      const std::uint64_t before = tests_;
       look_for_ears();
+      tests_ += (kAgain - 1) * (tests_ - before);
       ear = found_ear();
     }
-    // Crosses itself: no ear is right, any keeps the outline closed.
-    if (!ear) ear = first_where([](const State&) { return true; });
-    return ear.value_or(0);
+    return ear ? *ear : least();
   }
 
   const std::vector<Corner>& corners_;
@@ -197,6 +220,7 @@ class EarCutter {
   std::vector<Blocker> across_;  ///< all corners by u
   std::priority_queue<std::size_t, std::vector<std::size_t>, std::greater<>> ears_;
   std::uint64_t tests_ = 0;
+  double covered_ = 0.0, enclosed_ = 0.0;  ///< twice the area of the triangles, and with signs of the polygon
 };
 
 }  // namespace
@@ -211,7 +235,10 @@ bool triangulate(std::span<const std::uint32_t> corners, std::span<const Eigen::
     const std::vector<Corner> outline = flatten(corners, points);
     if (!is_convex(outline)) {
       const std::size_t before = triangles.size();
-      if (outline.size() <= kMostCornersCut && EarCutter(outline).cut(triangles)) return true;
+      if (outline.size() <= kMostCornersCut) {
+        EarCutter cutter(outline);
+        if (cutter.cut(triangles)) return cutter.fits();
+      }
       triangles.resize(before);
       triangulate_as_fan(corners, triangles);
       return false;

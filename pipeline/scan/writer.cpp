@@ -268,24 +268,23 @@ void ScanWriter::renumber_faces() {
 }
 
 void ScanWriter::triangulate_polygons() {
-  std::uint64_t fans = 0;
+  std::uint64_t doubtful = 0;
   for (std::size_t at = 0; at < polygons_.size(); at += polygons_[at] + std::size_t{1}) {
     const std::span<const std::uint32_t> corners = std::span(polygons_).subspan(at + 1, polygons_[at]);
     if (sink_) {
       // Only counted: who streams a mesh reads it again with its points.
       triangulate_as_fan(corners, scan_.faces);
     } else if (!triangulate(corners, scan_.points, scan_.faces)) {
-      ++fans;
+      ++doubtful;
     }
   }
   polygons_.clear();
-  if (fans > 0) {
-    scan_.warnings.push_back(
-        fmt::format("{} not convex and {} too many corners to be cut right (more than {}, or outlines that cross "
-                    "themselves); fans of triangles stand in, which may cover notches and holes: export the mesh as "
-                    "triangles",
-                    fans == 1 ? "1 polygon is" : fmt::format("{} polygons are", fans), fans == 1 ? "has" : "have",
-                    kMostCornersCut));
+  if (doubtful > 0) {
+    scan_.warnings.push_back(fmt::format(
+        "{} or {} more than {} corners without being convex: triangles may cover notches and holes; export the mesh as "
+        "triangles",
+        doubtful == 1 ? "1 polygon crosses itself" : fmt::format("{} polygons cross themselves", doubtful),
+        doubtful == 1 ? "has" : "have", kMostCornersCut));
   }
 }
 

@@ -126,6 +126,16 @@ TEST(Triangulate, ASlitHoldsNoArea) {
   expect_cut_right({0, 1, 2, 3, 4, 3}, points);
 }
 
+TEST(Triangulate, AnOutlineThatCrossesItselfIsTold) {
+  const Points points{{0, 0, 0}, {4, 0, 0}, {0, 2, 0}, {2, 3, 0}};
+  Triangles triangles;
+  EXPECT_FALSE(triangulate(Corners{0, 1, 2, 3}, points, triangles));
+  EXPECT_EQ(triangles.size(), 2U);
+  // One without area crosses nothing.
+  const Points line{{0, 0, 0}, {0.1, 0.3, 0.7}, {0.3, 0.9, 2.1}, {0.2, 0.6, 1.4}, {0.05, 0.15, 0.35}};
+  EXPECT_TRUE(triangulate(all_of(line), line, triangles));
+}
+
 TEST(Triangulate, BeyondWhatCanBeCutInTimeAFanStandsInAndIsSaid) {
   const Points points = gear(kMostCornersCut + 4);
   Triangles triangles;
@@ -142,7 +152,7 @@ TEST(Triangulate, BeyondWhatCanBeCutInTimeAFanStandsInAndIsSaid) {
   };
   const ScanFolder folder;
   EXPECT_THAT(folder.read("large.obj", obj(points)).warnings,
-              ElementsAre(HasSubstr("1 polygon is not convex and has too many corners to be cut right")));
+              ElementsAre(HasSubstr("1 polygon crosses itself or has more than 10000 corners")));
   const Points small = gear(100);
   const RawScan scan = folder.read("gear.obj", obj(small));
   EXPECT_THAT(scan.warnings, IsEmpty());
