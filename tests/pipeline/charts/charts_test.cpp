@@ -9,10 +9,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <numbers>
 #include <random>
 #include <string>
 
 #include "base/error.h"
+#include "pipeline/charts/sided_discs.h"
 #include "tests/support/clouds.h"
 #include "tests/support/whole_surface.h"
 
@@ -109,6 +111,63 @@ TEST(WholeObjects, WhoseFootWasNotScannedKeepTheirOuterSide) {
   }
   EXPECT_GT(nodes, open.size());
   EXPECT_EQ(inwards, 0U);
+}
+
+/// Exact points of a prism about the z axis whose base is a star, thinner towards its top; metres. Tips and notches lie
+/// at the two radii in turn.
+Points star_prism(int tips, double tip_m, double notch_m, double height_m, std::size_t count, std::uint64_t seed) {
+  std::vector<Eigen::Vector2d> corner;
+  for (int k = 0; k < 2 * tips; ++k) {
+    const double turn = std::numbers::pi * k / tips;
+    corner.push_back((k % 2 == 0 ? tip_m : notch_m) * Eigen::Vector2d(std::cos(turn), std::sin(turn)));
+  }
+  const double side_m2 = (corner[1] - corner[0]).norm() * height_m;
+  const double cap_m2 = 0.5 * std::abs(corner[0].x() * corner[1].y());  // a triangle of one cap: corner[0] is on x
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  Points points;
+  while (points.size() < count) {
+    const auto k = static_cast<std::size_t>(unit(random) * 2.0 * tips);
+    const Eigen::Vector2d& from = corner[k];
+    const Eigen::Vector2d& to = corner[(k + 1) % corner.size()];
+    Eigen::Vector2d base = from + unit(random) * (to - from);
+    double z = unit(random) * height_m;
+    if (unit(random) * (side_m2 + 2.0 * cap_m2) > side_m2) {
+      base *= std::sqrt(unit(random));
+      z = unit(random) < 0.5 ? 0.0 : height_m;
+    }
+    if (unit(random) < std::pow(3.0, -z / height_m)) points.push_back({base.x(), base.y(), z});
+  }
+  return points;
+}
+
+TEST(WholeObjects, WithAcuteEdgesHaveNoFaceTurnedInwards) {
+  ThreadPool pool(2);
+  Progress progress;
+  struct Star {
+    int tips;
+    double tip_m, notch_m, height_m;
+  };
+  for (const Star& star : {Star{5, 0.020, 0.009, 0.012}, Star{4, 0.020, 0.008, 0.015}}) {
+    const double half_m = 0.5 * star.height_m;  // from the middle to the plane of the nearest face
+    for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+      const Points points = star_prism(star.tips, star.tip_m, star.notch_m, star.height_m, kFew, seed);
+      const pipeline::SidedDiscs found =
+          pipeline::find_sided_discs(make_cloud(points), Eigen::Matrix4d::Identity(), {pool, progress});
+      // The middle sees every face from within.
+      const Eigen::Vector3d middle = Eigen::Vector3d(0.0, 0.0, half_m) - found.origin_m;
+      std::size_t inwards = 0;
+      for (std::size_t d = 0; d < found.count; ++d) {
+        const Eigen::Vector3d foot = Eigen::Vector3f(found.discs[d].foot.data()).cast<double>();
+        const Eigen::Vector3d normal = Eigen::Vector3f(found.discs[d].normal.data()).cast<double>();
+        inwards += normal.dot(foot - middle) < -0.5 * half_m ? 1 : 0;
+      }
+      EXPECT_GT(found.count, points.size() * 9 / 10) << star.tips << " tips, seed " << seed;
+      // A face has a twentieth of the discs or more; those at the very tips may be undecided.
+      EXPECT_LT(static_cast<double>(inwards), 0.003 * static_cast<double>(found.count))
+          << star.tips << " tips, seed " << seed;
+    }
+  }
 }
 
 TEST(WholeObjects, ThatAreWallsOfTwoSpacingsAreUndecided) {
