@@ -33,10 +33,12 @@ VirtualDisplay::VirtualDisplay(const std::string& number) {
     ::dup2(quiet, 2);
     ::close(ends[0]);
     const std::string fd = std::to_string(ends[1]);
+    // A server that begins anew whenever its last client has gone, as after a look whether it is there, refuses others
+    // meanwhile.
     if (!number.empty())
       ::execlp("Xvfb", "Xvfb", number.c_str(), "-noreset", "-displayfd", fd.c_str(), "-screen", "0", "1280x800x24",
                "-nolisten", "tcp", static_cast<char*>(nullptr));
-    ::execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", "1280x800x24", "-nolisten", "tcp",
+    ::execlp("Xvfb", "Xvfb", "-noreset", "-displayfd", fd.c_str(), "-screen", "0", "1280x800x24", "-nolisten", "tcp",
              static_cast<char*>(nullptr));
     ::_exit(127);
   }
