@@ -78,7 +78,7 @@ class EarCutter {
  public:
   explicit EarCutter(const std::vector<Corner>& outline) : corners_(outline), states_(outline.size()) {
     const std::size_t n = outline.size();
-    for (std::size_t i = 0; i < n; ++i) states_[i] = {(i + n - 1) % n, (i + 1) % n};
+    for (std::size_t i = 0; i < n; ++i) states_[i].beside = {(i + n - 1) % n, (i + 1) % n};
     std::vector<std::size_t> order(n);
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return outline[a].u < outline[b].u; });
