@@ -2,60 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
-#include <numeric>
 
 #include <Eigen/Geometry>
 
-#include "base/numbers/hash.h"
-#include "base/numbers/key_table.h"
+#include "base/numbers/groups.h"
+#include "pipeline/scan/places.h"
 
 namespace sparsha::pipeline {
 namespace {
-
-struct Place {
-  std::array<std::uint32_t, 3> key;  ///< the bits of x, y and z
-};
-struct PlaceHash {
-  std::uint64_t operator()(const std::array<std::uint32_t, 3>& key) const {
-    return hash_words(std::array<std::uint64_t, 2>{std::uint64_t{key[0]} << 32U | key[1], key[2]});
-  }
-};
-
-class Places {
- public:
-  explicit Places(const Cloud& mesh) : xyz1_(mesh.xyz1()) {}
-
-  std::uint32_t number(std::uint32_t corner) {
-    const float* const p = xyz1_ + std::size_t{4} * corner;
-    // -0.0 and 0.0 are the same place.
-    const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value + 0.0F); };
-    return table_.number({bits(p[0]), bits(p[1]), bits(p[2])});
-  }
-  [[nodiscard]] std::size_t size() const { return table_.size(); }
-
- private:
-  const float* xyz1_;
-  KeyTable<Place, PlaceHash> table_;
-};
-
-class Groups {
- public:
-  explicit Groups(std::size_t count) : above_(count) { std::iota(above_.begin(), above_.end(), 0U); }
-
-  std::uint32_t of(std::uint32_t i) {
-    while (above_[i] != i) i = above_[i] = above_[above_[i]];
-    return i;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = of(a);
-    b = of(b);
-    above_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> above_;
-};
 
 double area_of(const Cloud& mesh, const std::array<std::uint32_t, 3>& face) {
   const auto corner = [&](std::size_t k) -> Eigen::Vector3d {
@@ -67,10 +21,14 @@ double area_of(const Cloud& mesh, const std::array<std::uint32_t, 3>& face) {
 }  // namespace
 
 std::vector<std::uint8_t> corners_of_large_pieces(const Cloud& mesh, double least_share) {
-  Places places(mesh);
+  Places places;
+  const auto place = [&](std::uint32_t corner) {
+    const float* const p = mesh.xyz1() + std::size_t{4} * corner;
+    return places.number(p[0], p[1], p[2]);
+  };
   std::vector<std::array<std::uint32_t, 3>> faces;
   faces.reserve(mesh.faces.size());
-  for (const auto& [a, b, c] : mesh.faces) faces.push_back({places.number(a), places.number(b), places.number(c)});
+  for (const auto& [a, b, c] : mesh.faces) faces.push_back({place(a), place(b), place(c)});
   Groups groups(places.size());
   for (const auto& [a, b, c] : faces) {
     groups.join(a, b);

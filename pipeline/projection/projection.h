@@ -57,10 +57,6 @@ struct ProjectionNeeds {
   /// Of samples while they tell sides apart, and of what is kept of them while nodes are measured; of so many points.
   [[nodiscard]] std::uint64_t side_bytes(double of_points) const;
   [[nodiscard]] std::uint64_t kept_side_bytes(double of_points) const;
-  /// Of columns, where so many points lie on the same surface.
-  [[nodiscard]] std::uint64_t column_bytes_of(double of_points) const {
-    return static_cast<std::uint64_t>(static_cast<double>(column_bytes) * of_points / points);
-  }
 };
 
 /// May refuse what a projection needs by throwing, before memory is taken for it. Both may be empty.

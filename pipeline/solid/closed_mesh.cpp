@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 #include "base/error.h"
+#include "base/numbers/groups.h"
 #include "pipeline/solid/cell_polygons.h"
 #include "pipeline/solid/cubes.h"
 #include "pipeline/solid/lattice.h"
@@ -87,24 +87,6 @@ class Polygons {
   SurfaceLattice& lattice_;
 };
 
-/// Which vertices are connected.
-class Connected {
- public:
-  explicit Connected(std::size_t vertices) : parent_(vertices) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  [[nodiscard]] std::uint32_t of(std::uint32_t vertex) {
-    while (parent_[vertex] != vertex) vertex = parent_[vertex] = parent_[parent_[vertex]];
-    return vertex;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = of(a);
-    b = of(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
 double area_of(const Polygons& mesh, const std::array<std::uint32_t, 3>& t) {
   const Eigen::Vector3d a = mesh.vertices[t[0]].cast<double>();
   return 0.5 * (mesh.vertices[t[1]].cast<double>() - a).cross(mesh.vertices[t[2]].cast<double>() - a).norm();
@@ -128,7 +110,7 @@ std::vector<bool> over_holes(const Polygons& mesh) {
       for (const std::uint32_t v : t) near[v] = true;
     }
   }
-  Connected patches(mesh.vertices.size());
+  Groups patches(mesh.vertices.size());
   for (const auto& t : mesh.triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
@@ -160,7 +142,7 @@ void number_anew(ClosedMesh& mesh, const std::vector<Eigen::Vector3f>& vertices,
 
 ClosedMesh collect(Polygons&& polygons, double spacing_m, Holes holes) {
   constexpr double kCrumb = 50.0;  // area of a ball with a radius of 2, squares of the spacing
-  Connected shells(polygons.vertices.size());
+  Groups shells(polygons.vertices.size());
   for (const auto& t : polygons.triangles) {
     shells.join(t[0], t[1]);
     shells.join(t[1], t[2]);

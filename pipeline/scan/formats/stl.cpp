@@ -1,11 +1,9 @@
 #include "pipeline/scan/formats/stl.h"
 
 #include <array>
-#include <bit>
 
-#include "base/numbers/hash.h"
-#include "base/numbers/key_table.h"
 #include "base/text/lower_case.h"
+#include "pipeline/scan/places.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
@@ -14,26 +12,13 @@ namespace {
 constexpr std::size_t kHeader = 84;
 constexpr std::size_t kTriangle = 50;
 
-/// Vertices are the same where their float32 coordinates are.
-struct Vertex {
-  std::array<std::uint32_t, 3> key;  ///< the bits of x, y and z
-};
-struct VertexHash {
-  std::uint64_t operator()(const std::array<std::uint32_t, 3>& key) const {
-    return hash_words(std::array<std::uint64_t, 2>{std::uint64_t{key[0]} << 32U | key[1], key[2]});
-  }
-};
-
 class TriangleSink {
  public:
   explicit TriangleSink(ScanWriter& out) : out_(out) {}
 
   std::uint32_t vertex(float x, float y, float z) {
-    // -0.0 and 0.0 are the same place.
-    const std::size_t before = table_.size();
-    const std::uint32_t number =
-        table_.number({std::bit_cast<std::uint32_t>(x + 0.0F), std::bit_cast<std::uint32_t>(y + 0.0F),
-                       std::bit_cast<std::uint32_t>(z + 0.0F)});
+    const std::size_t before = places_.size();
+    const std::uint32_t number = places_.number(x, y, z);
     if (number == before) out_.add(static_cast<double>(x), static_cast<double>(y), static_cast<double>(z));
     return number;
   }
@@ -45,7 +30,7 @@ class TriangleSink {
 
  private:
   ScanWriter& out_;
-  KeyTable<Vertex, VertexHash> table_;
+  Places places_;
 };
 
 /// Some programs keep a colour of five bits a channel in the two bytes behind a triangle. Bit 15 is set where there is
