@@ -118,7 +118,8 @@ class CtrlC(unittest.TestCase):
         files = []
         self.assert_ends_early(save)
         self.assertFalse(files[-2].exists())
-        self.assertEqual(sum(1 for _ in open(files[-1])), len(path) + 1)
+        with open(files[-1]) as rows:
+            self.assertEqual(sum(1 for _ in rows), len(path) + 1)
         self.assertLessEqual({p.name for p in self.folder.iterdir()}, {"scratch", *(p.name for p in files)})
 
     def test_saving_a_scene_is_told_and_ends_and_leaves_no_folder(self):
@@ -155,35 +156,50 @@ class CtrlC(unittest.TestCase):
         self.assert_ends_early(export)
         self.assertFalse(files[-2].exists())
 
-    def ends_early_without_progress(self, work):
-        """Whether a signal ends `work`, which tells of no progress, before its end: a note says so."""
-        begun = time.perf_counter()
-        work()
-        whole = time.perf_counter() - begun
-        for attempt in range(TRIES):
-            def send():
-                time.sleep(whole * (0.1 + 0.8 * attempt / TRIES))
-                os.kill(os.getpid(), signal.SIGINT)
-            thread = threading.Thread(target=send)
-            with self.assertRaises(KeyboardInterrupt) as raised:
-                thread.start()
-                try:
-                    work()
-                finally:
-                    thread.join()
-                while True:
-                    time.sleep(0.001)
-            if getattr(raised.exception, "__notes__", []):
-                return True
-        return False
+    def assert_ends_early_without_progress(self, make_work):
+        """A signal ends `make_work(times)`, work of `times` the least size that tells of no progress: a note says so.
+
+        Each size is tried at several moments of its work. Work that is over before the first look for signals, 20 ms
+        after its begin, cannot end early: its size doubles."""
+        for times in (1, 2, 4, 8, 16):
+            work = make_work(times)
+            work()
+            begun = time.perf_counter()
+            work()
+            whole = time.perf_counter() - begun
+            for share in (0.1, 0.3, 0.5, 0.7):
+                if self.ends_early_after(whole * share, work):
+                    return
+        self.fail("no signal ended the work early")
+
+    def ends_early_after(self, seconds, work):
+        """Whether a signal after `seconds` ends `work` before its own end."""
+        def send():
+            time.sleep(seconds)
+            os.kill(os.getpid(), signal.SIGINT)
+        thread = threading.Thread(target=send)
+        with self.assertRaises(KeyboardInterrupt) as raised:
+            thread.start()
+            try:
+                work()
+            finally:
+                thread.join()
+            while True:  # the signal is on its way
+                time.sleep(0.001)
+        return bool(getattr(raised.exception, "__notes__", []))
 
     def test_making_clouds_heights_and_renderers_ends(self):
-        points = np.tile(self.points, (8, 1))
-        heights = np.zeros((2000, 2000), np.float32)
-        for work in (lambda: sparsha.Cloud(points), lambda: sparsha.Renderer.of_heights(heights, 0.001),
-                     lambda: sparsha.Renderer(self.scene, tip_radius_mm=2.0)):
-            self.assertTrue(self.ends_early_without_progress(work))
-        self.assertEqual(len(sparsha.Cloud(points)), len(points))
+        def cloud(times):
+            points = np.tile(self.points, (8 * times, 1))
+            return lambda: sparsha.Cloud(points)
+
+        def heights(times):
+            plane = np.zeros((2000 * times, 2000), np.float32)
+            return lambda: sparsha.Renderer.of_heights(plane, 0.001)
+
+        for make_work in (cloud, heights, lambda times: lambda: sparsha.Renderer(self.scene, tip_radius_mm=2.0)):
+            self.assert_ends_early_without_progress(make_work)
+        self.assertEqual(len(sparsha.Cloud(self.points)), len(self.points))
 
     def test_what_progress_raises_is_noted_too(self):
         def stop(stage, share):
