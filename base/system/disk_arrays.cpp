@@ -16,8 +16,10 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <mutex>
+#include <new>
 #include <string>
 #include <thread>
 #include <vector>
@@ -34,10 +36,27 @@ struct Array {
   std::size_t bytes;
 };
 
-// Arrays of this process, of a DiskArrays that is in force or has gone.
+// Memory of malloc() and free(): the program's operator delete asks give_disk_array(), which takes the lock under which
+// the list grows.
+template <class T>
+struct Malloc {
+  using value_type = T;
+  Malloc() = default;
+  template <class U>
+  explicit Malloc(const Malloc<U>& /*other*/) noexcept {}
+  [[nodiscard]] T* allocate(std::size_t n) {
+    if (void* const block = std::malloc(n * sizeof(T))) return static_cast<T*>(block);
+    throw std::bad_alloc();
+  }
+  void deallocate(T* block, std::size_t /*n*/) noexcept { std::free(block); }
+  friend bool operator==(const Malloc& /*a*/, const Malloc& /*b*/) noexcept { return true; }
+};
+
+// Arrays of this process, of a DiskArrays that is in force or has gone. Under its lock nothing is freed by operator
+// delete.
 struct Arrays {
   std::mutex mutex;
-  std::vector<Array> all;
+  std::vector<Array, Malloc<Array>> all;
   std::string folder;  ///< set while none is in force
   int error = 0;       ///< errno of the first array that got no room
 };
@@ -136,7 +155,7 @@ void* take_disk_array(std::size_t bytes) noexcept try {
 }
 
 bool give_disk_array(void* array) noexcept {
-  // Blocks of the heap never begin where a page does.
+  // Few blocks of the heap begin where a page does, so that the lock is seldom taken in vain.
   if (count.load(std::memory_order_relaxed) == 0 || reinterpret_cast<std::uintptr_t>(array) % page_bytes() != 0)
     return false;
   Arrays& ours = arrays();
@@ -176,8 +195,9 @@ struct DiskArrays::Implementation {
 DiskArrays::DiskArrays(const std::filesystem::path& folder, std::uint64_t resident_bytes)
     : implementation_(std::make_unique<Implementation>()) {
   {
+    std::string wanted = folder.empty() ? "." : folder.string();  // the old one is freed after the lock
     const std::lock_guard lock(arrays().mutex);
-    arrays().folder = folder.empty() ? "." : folder.string();
+    arrays().folder.swap(wanted);
     arrays().error = 0;
   }
   void* const trial = take_disk_array(page_bytes());
@@ -201,10 +221,16 @@ DiskArrays::~DiskArrays() {
 }
 
 void throw_if_disk_was_full() {
-  const std::lock_guard lock(arrays().mutex);
-  if (arrays().error == 0) return;
-  throw Error(ErrorKind::failure, {arrays().folder, 0, 0},
-              std::string("a temporary file in this folder fails: ") + std::strerror(arrays().error),
+  int error = 0;
+  std::string folder;
+  {
+    const std::lock_guard lock(arrays().mutex);
+    error = arrays().error;
+    folder = arrays().folder;
+  }
+  if (error == 0) return;
+  throw Error(ErrorKind::failure, {folder, 0, 0},
+              std::string("a temporary file in this folder fails: ") + std::strerror(error),
               "room on the disk and a folder that can be written to");
 }
 
