@@ -55,6 +55,7 @@ struct Tapping {
 struct Heard {
   std::vector<double> late_s;  ///< of each tap that was heard once
   int lost = 0, doubled = 0, too_soon = 0;
+  bool struck_once_each = true;  ///< the engine counted no more strikes than the hand made taps
   double server_late_p90_s = 0.0;
   double ticks_in_time = 0.0, tick_ns_p50 = 0.0, tick_ns_p99 = 0.0;
 
@@ -66,6 +67,8 @@ struct Heard {
   [[nodiscard]] double most_s() const {
     return late_s.empty() ? HUGE_VAL : *std::max_element(late_s.begin(), late_s.end());
   }
+  /// A sound that began twice though it was struck once: the machine made a gap in the stream.
+  [[nodiscard]] bool had_gaps() const { return doubled > 0 && struck_once_each; }
   /// The machine gave the server and the servo their processors when they were due.
   [[nodiscard]] bool machine_in_time() const { return server_late_p90_s < 0.0015 && ticks_in_time > 0.95; }
 };
@@ -112,7 +115,7 @@ using Meanwhile = std::function<std::function<void()>(audio::Engine&)>;
 
 /// `Listener` is made when the engine plays; it has connected() and onsets().
 template <class Listener>
-[[nodiscard]] Heard hear(int count, double settled_s, const Meanwhile& make_meanwhile = {}) {
+[[nodiscard]] Heard hear_once(int count, double settled_s, const Meanwhile& make_meanwhile) {
   haptics::Seqlock<haptics::State> state;
   const auto queue = std::make_shared<haptics::ContactQueue>(256);
   audio::Engine engine(audio_scene::scene({audio_scene::note("ti", {-1, -1, 1, 1}, 2400.0, 0.02)}), queue, state, {});
@@ -135,7 +138,18 @@ template <class Listener>
     meanwhile();
   }
   servo.stop();
-  return judge(hand, listener.onsets(), first, count, servo.figures());
+  Heard run = judge(hand, listener.onsets(), first, count, servo.figures());
+  run.struck_once_each =
+      static_cast<double>(engine.strikes()) <= 1.0 + seconds(Clock::now() - hand.begin) / Tapping::kPeriod_s;
+  return run;
+}
+
+/// The same, again where the machine made gaps; a third run is judged as it is.
+template <class Listener>
+[[nodiscard]] Heard hear(int count, double settled_s, const Meanwhile& make_meanwhile = {}) {
+  Heard run = hear_once<Listener>(count, settled_s, make_meanwhile);
+  for (int more = 0; more < 2 && run.had_gaps(); ++more) run = hear_once<Listener>(count, settled_s, make_meanwhile);
+  return run;
 }
 
 }  // namespace taps
