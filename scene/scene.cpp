@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "base/error.h"
@@ -78,6 +79,18 @@ class DescribedScene final : public Scene {
   SceneDescription description_;
 };
 
+void set_height_range(const DepthGrid& grid, SceneDescription& description) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t n = 0; n < grid.height_m.size(); ++n) {
+    if (grid.state[n] == NodeState::unknown) continue;
+    low = std::min(low, static_cast<double>(grid.height_m[n]));
+    high = std::max(high, static_cast<double>(grid.height_m[n]));
+  }
+  if (low > high) return;
+  description.height_min_m = grid.lattice.origin_m.z() + low;
+  description.height_max_m = grid.lattice.origin_m.z() + high;
+}
+
 bool same_lattice(const Lattice& a, const Lattice& b) {
   return a.nx == b.nx && a.ny == b.ny && a.spacing_m == b.spacing_m && a.origin_m == b.origin_m;
 }
@@ -130,6 +143,8 @@ ScenePointer make_scene(SceneDescription description, std::vector<Layers> levels
               fits(description.has_intensity, layers.intensity.size());
   }
   if (!matches) throw Error(ErrorKind::failure, {}, "the layers do not match the scene's description");
+  if (description.height_min_m == 0.0 && description.height_max_m == 0.0)
+    set_height_range(levels.front().grid, description);
   make_areas(description);
   return std::make_shared<MemoryScene>(std::move(description), std::move(levels));
 }

@@ -70,8 +70,8 @@ class Scene {
   [[nodiscard]] Layers read_level(int level) const;
 };
 
-/// A scene held in memory; levels[L] must match description.levels[L]. Throws Error{failure} when not, and
-/// Error{input} when parts have labels and the label image cannot be read.
+/// A scene held in memory; levels[L] must match description.levels[L]. A range of heights of 0 to 0 is taken from level
+/// 0. Throws Error{failure} when not, and Error{input} when parts have labels and the label image cannot be read.
 [[nodiscard]] ScenePointer make_scene(SceneDescription description, std::vector<Layers> levels);
 
 /// The same layers under another description of the same levels, e.g. with other parts. Throws Error{failure} when the

@@ -20,6 +20,7 @@
 #include "haptics/replay/traced_surface.h"
 #include "haptics/replay/unrolled_trace.h"
 #include "haptics/window/objects.h"
+#include "scene/folder/heights.h"
 #include "scene/scene.h"
 
 namespace sparsha::app {
@@ -119,17 +120,8 @@ std::string around_line(const haptics::TraceSummary& s) {
                      s.around->sheets, s.around->hand_overs, s.around->edges, s.around->releases);
 }
 
-/// What the scene itself gives the trace that is no height, though its mask calls it known; empty without such nodes.
-std::string doubt_of_heights(const scene::Scene& scene, int level) {
-  const scene::Layers layers = scene.read_level(level);
-  const std::uint64_t wrong = layers.not_a_number;
-  const auto known = wrong + static_cast<std::uint64_t>(std::count_if(
-                                 layers.grid.state.begin(), layers.grid.state.end(),
-                                 [](scene::NodeState state) { return state != scene::NodeState::unknown; }));
-  if (wrong == 0) return {};
-  return fmt::format(
-      "{} of the {} known nodes of level {} have heights that are not numbers; they are touched as unknown",
-      count_text(wrong), count_text(known), level);
+std::string doubt_of(const scene::Scene& scene, int level) {
+  return scene::doubt_of_heights(scene.read_level(level), level);
 }
 
 haptics::TraceResult trace_path(const scene::Scene& scene, const Arguments& arguments,
@@ -169,8 +161,7 @@ int run_trace(const Arguments& arguments, const CommonOptions& common) {
       : around  ? trace_whole_object(*scene, arguments, haptics, options)
                 : trace_path(*scene, arguments, haptics, options);
   haptics::write_trace(arguments.out, result);
-  if (const std::string doubt = around ? std::string() : doubt_of_heights(*scene, std::max(arguments.level, 0));
-      !doubt.empty())
+  if (const std::string doubt = around ? std::string() : doubt_of(*scene, std::max(arguments.level, 0)); !doubt.empty())
     terminal.progress().warn(doubt);
   for (const std::string& doubt : haptics::sentences(result.summary.path)) terminal.progress().warn(doubt);
   const haptics::TraceSummary& s = result.summary;

@@ -10,6 +10,7 @@
 #include "pipeline/build/project_scans.h"
 #include "pipeline/scan/repeated.h"
 #include "scene/folder/folder.h"
+#include "scene/folder/heights.h"
 
 namespace sparsha::pipeline {
 namespace fs = std::filesystem;
@@ -128,7 +129,9 @@ Report recheck_scene(const scene::Scene& scene, const std::vector<fs::path>& sca
     report.around->check = projected.check_charts(charts);
   }
   progress.begin("cross-check");
-  scene::DepthGrid grid = scene.read_level(0).grid;
+  scene::Layers layers = scene.read_level(0);
+  if (const std::string doubt = scene::doubt_of_heights(layers, 0); !doubt.empty()) progress.warn(doubt);
+  scene::DepthGrid& grid = layers.grid;
   report.check = projected.check(grid);
   progress.finish();
   const auto count = [&](scene::NodeState state) {

@@ -13,6 +13,7 @@
 #include "pipeline/replica/braille.h"
 #include "pipeline/replica/legibility.h"
 #include "pipeline/replica/solid.h"
+#include "scene/folder/heights.h"
 #include "scene/ground/window_lattice.h"
 #include "scene/scene.h"
 
@@ -206,6 +207,8 @@ ReplicaPlate make_replica(const scene::Scene& scene, const ReplicaOptions& optio
   const double mm_per_m = options.longest_mm / longest_m;
   const int level = level_for(description, mm_per_m);
   const Relief relief = read_relief(scene, level);
+  if (std::string doubt = scene::doubt_of_heights(relief.layers, level); !doubt.empty())
+    report.warnings.push_back(std::move(doubt));
   const scene::Lattice& lattice = relief.layers.grid.lattice;
   if (!scene::has_cell(lattice)) {
     const double across_mm = mm_per_m * finest.spacing_m * (std::min(finest.nx, finest.ny) - 1);

@@ -15,6 +15,7 @@
 #include "base/yaml/yaml.h"
 #include "scene/area/regions.h"
 #include "scene/folder/folder.h"
+#include "scene/folder/heights.h"
 #include "scene/folder/layer_file.h"
 #include "scene/folder/layers.h"
 #include "scene/folder/sheets_file.h"
@@ -294,6 +295,14 @@ SceneDescription parse_scene(const fs::path& folder) {
   return scene;
 }
 
+// That each layer of a level is there and is what scene.yaml says.
+void check_layers(const fs::path& path, const SceneDescription& scene, const Lattice& lattice) {
+  for (const std::string& name : layer_names(scene)) {
+    const LayerKind kind = name == "mask" ? LayerKind::byte : name == "colour" ? LayerKind::rgba : LayerKind::number;
+    check_layer(path / (name + ".tif"), lattice.nx, lattice.ny, kind);
+  }
+}
+
 class FolderScene final : public Scene {
  public:
   FolderScene(fs::path folder, SceneDescription description)
@@ -309,21 +318,11 @@ class FolderScene final : public Scene {
     const Lattice& lattice = description_.levels.at(static_cast<std::size_t>(level));
     const fs::path path = level_folder(folder_, static_cast<std::size_t>(level));
     const LayerRegion region{lattice.nx, lattice.ny, i0, j0, nx, ny};
-    check_layers(path, lattice);  // before memory is taken for them
+    check_layers(path, description_, lattice);  // before memory is taken for them
     Layers layers;
     layers.grid = DepthGrid(window_lattice(lattice, i0, j0, nx, ny));
     const std::size_t count = layers.grid.lattice.count();
-    read_layer(path / "height.tif", region, std::span<float>(layers.grid.height_m));
-    std::vector<std::uint8_t> mask(count, 0);
-    read_layer(path / "mask.tif", region, std::span<std::uint8_t>(mask));
-    for (std::size_t n = 0; n < count; ++n) {
-      // A damaged mask must not claim a height that is not there.
-      const bool known = mask[n] == 1 || mask[n] == 2;
-      const bool finite = std::isfinite(layers.grid.height_m[n]);
-      if (known && !finite) ++layers.not_a_number;
-      layers.grid.state[n] = known && finite ? static_cast<NodeState>(mask[n]) : NodeState::unknown;
-      if (layers.grid.state[n] == NodeState::unknown) layers.grid.height_m[n] = kUnknownHeight;
-    }
+    read_heights(path, region, description_, layers);
     for (const OptionalLayer& layer : kFloatLayers) {
       if (!(description_.*(layer.present))) continue;
       std::vector<float>& values = layers.*(layer.values);
@@ -360,13 +359,6 @@ class FolderScene final : public Scene {
     if (told_in(folder_) == told_) return;                           // touched, or copied to the same place
     throw input_error(folder_.string(), "another scene has taken the place of the one that was opened",
                       "the scene opened again");
-  }
-
-  void check_layers(const fs::path& path, const Lattice& lattice) const {
-    for (const std::string& name : layer_names(description_)) {
-      const LayerKind kind = name == "mask" ? LayerKind::byte : name == "colour" ? LayerKind::rgba : LayerKind::number;
-      check_layer(path / (name + ".tif"), lattice.nx, lattice.ny, kind);
-    }
   }
 
   fs::path folder_;
@@ -434,8 +426,7 @@ ScenePointer open_scene(const fs::path& folder, Trust trust) {
       const fs::path layer = path / (name + ".tif");
       if (linked || is_link(layer)) require_inside(layer, "the layer");
     }
-    const Lattice& lattice = description.levels[level];
-    check_layer(path / "height.tif", lattice.nx, lattice.ny, LayerKind::number);
+    check_layers(path, description, description.levels[level]);
   }
   make_areas(description);
   return std::make_shared<FolderScene>(folder, std::move(description));

@@ -54,7 +54,7 @@ SceneDescription description_of() {
   scene.levels = {lattice(300, 270, 0.01), lattice(150, 135, 0.02)};
   scene.noise_m = 0.0002;
   scene.height_min_m = 312.0;
-  scene.height_max_m = 313.0;
+  scene.height_max_m = 612.0;
   scene.friction_c_m = 0.0123;
   scene.has_envelope = scene.has_curvature = scene.has_colour = true;
   return scene;
@@ -170,6 +170,53 @@ TEST_F(SceneFolder, RefusesADamagedFolderWithTheFileThatIsWrong) {
   EXPECT_THAT(message(), ::testing::HasSubstr("scene.yaml:1"));
   fs::remove(folder_ / "scene.yaml");
   EXPECT_THAT(message(), ::testing::HasSubstr("there is no scene.yaml"));
+}
+
+TEST_F(SceneFolder, AHeightBeyondTheRangeOfItsDescriptionIsRefusedByItsNode) {
+  const fs::path file = folder_ / "level-0" / "height.tif";
+  for (const float wrong : {1e20F, -1e9F, -0.5F}) {
+    std::vector<float> heights = memory_->read_level(0).grid.height_m;
+    heights[memory_->description().levels[0].index(12, 34)] = wrong;
+    write_layer(file, 300, 270, std::span<const float>(heights));
+    const ScenePointer scene = open_scene(folder_);
+    try {
+      (void)scene->read(0, 5, 30, 20, 20);
+      FAIL() << wrong << " was taken";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      EXPECT_EQ(error.place().file, file.string());
+      EXPECT_THAT(error.what(), ::testing::HasSubstr("node (12, 34) lies at z = "));
+    }
+    EXPECT_NO_THROW((void)scene->read(0, 13, 30, 20, 20)) << "the damaged node is not among these";
+  }
+}
+
+TEST_F(SceneFolder, ALayerOfACoarseLevelThatIsMissingOrCutIsRefusedWhenTheSceneIsOpened) {
+  for (const char* name : {"mask", "envelope", "curvature", "colour"}) {
+    const fs::path file = folder_ / "level-1" / (std::string(name) + ".tif");
+    const std::string whole = read_file(file, 1U << 30U);
+    for (const std::size_t kept : {std::size_t{0}, whole.size() / 2}) {
+      write_file(file, whole.substr(0, kept));
+      if (kept == 0) fs::remove(file);
+      try {
+        (void)open_scene(folder_);
+        ADD_FAILURE() << name << " with " << kept << " bytes was taken";
+      } catch (const Error& error) {
+        EXPECT_EQ(error.place().file, file.string());
+      }
+    }
+    write_file(file, whole);
+  }
+  EXPECT_NO_THROW((void)open_scene(folder_));
+}
+
+TEST(Scene, ARangeOfHeightsThatIsNotGivenIsThatOfTheKnownNodes) {
+  SceneDescription description = description_of();
+  description.height_min_m = description.height_max_m = 0.0;
+  const ScenePointer scene =
+      make_scene(description, {layers_of(description.levels[0]), layers_of(description.levels[1])});
+  EXPECT_NEAR(scene->description().height_min_m, 312.3 + 0.001, 1e-9);  // node (0, 1)
+  EXPECT_NEAR(scene->description().height_max_m, 312.3 + 299.269, 1e-4);
 }
 
 TEST_F(SceneFolder, ASceneOfANewerFormatIsRefusedByNameAndOneOfThisOpens) {
