@@ -18,7 +18,22 @@ void set(std::string& bytes, std::size_t at, T value) {
   std::memcpy(bytes.data() + at, &value, sizeof value);
 }
 
-/// A file of one variable length record (may be empty) and the given points, each of `format`'s size.
+/// A variable length record.
+struct LasRecord {
+  std::uint16_t id = 0;
+  std::string data;
+  std::string user = "LASF_Projection";
+
+  [[nodiscard]] std::string bytes() const {
+    std::string out(54, '\0');
+    std::memcpy(out.data() + 2, user.data(), user.size());
+    set(out, 18, id);
+    set(out, 20, static_cast<std::uint16_t>(data.size()));
+    return out + data;
+  }
+};
+
+/// A file of one variable length record (may be empty), more of them and the given points, each of `format`'s size.
 struct LasFile {
   int minor = 2;
   int format = 0;
@@ -27,6 +42,8 @@ struct LasFile {
   std::uint16_t record_id = 0;
   std::string record_user = "LASF_Projection";
   std::string record;
+  std::vector<LasRecord> more_records;
+  std::uint16_t encoding = 0;
   std::vector<std::string> points;
 
   [[nodiscard]] std::string bytes() const {
@@ -35,10 +52,12 @@ struct LasFile {
     set(out, 0, std::array<char, 4>{'L', 'A', 'S', 'F'});
     out[24] = 1;
     out[25] = static_cast<char>(minor);
-    const std::size_t records = record_id != 0 ? 54 + record.size() : 0;
+    std::string records = record_id != 0 ? LasRecord{record_id, record, record_user}.bytes() : std::string();
+    for (const LasRecord& more : more_records) records += more.bytes();
+    set(out, 6, encoding);
     set(out, 94, static_cast<std::uint16_t>(head));
-    set(out, 96, static_cast<std::uint32_t>(head + records));
-    set(out, 100, std::uint32_t{record_id != 0 ? 1U : 0U});
+    set(out, 96, static_cast<std::uint32_t>(head + records.size()));
+    set(out, 100, static_cast<std::uint32_t>((record_id != 0 ? 1 : 0) + more_records.size()));
     out[104] = static_cast<char>(format);
     set(out, 105, static_cast<std::uint16_t>(kLasPointSizes[static_cast<std::size_t>(format)]));
     set(out, 107, static_cast<std::uint32_t>(points.size()));
@@ -50,13 +69,7 @@ struct LasFile {
       set(out, 247, static_cast<std::uint64_t>(points.size()));
       if (format >= 6) set(out, 107, std::uint32_t{0});
     }
-    if (record_id != 0) {
-      std::string lead(54, '\0');
-      std::memcpy(lead.data() + 2, record_user.data(), record_user.size());
-      set(lead, 18, record_id);
-      set(lead, 20, static_cast<std::uint16_t>(record.size()));
-      out += lead + record;
-    }
+    out += records;
     for (const std::string& point : points) out += point;
     return out;
   }

@@ -108,6 +108,10 @@ void check_points(const ScanFile& file, std::size_t header_size, Header& header)
 
 }  // namespace
 
+bool Record::is_reference(std::uint16_t of) const {
+  return id == of && (user == "LASF_Projection" || (of == kWkt && user == "liblas"));
+}
+
 std::size_t Header::colour_offset() const {
   switch (format) {
     case 2:
@@ -136,6 +140,8 @@ Header parse_header(const ScanFile& file) {
   if (major != 1 || header.minor > 4) {
     throw file.error("LAS version " + std::to_string(major) + "." + std::to_string(header.minor), "1.0 to 1.4");
   }
+  constexpr unsigned kIsWkt = 16;
+  header.says_wkt = (load<std::uint16_t>(p + 6) & kIsWkt) != 0;
   const std::size_t size = load<std::uint16_t>(p + 94);
   const std::size_t least = header.minor >= 4 ? kHeader14 : kLeastHeader;
   if (size < least || size > bytes.size()) {

@@ -13,16 +13,23 @@
 
 namespace sparsha::pipeline::las {
 
+/// Records of the reference.
+inline constexpr std::uint16_t kGeoKeys = 34735, kGeoNumbers = 34736, kGeoText = 34737, kWkt = 2112;
+
 struct Record {
   std::string user;
   std::uint16_t id = 0;
   std::string_view data;
+
+  /// Whether it is one of those that say what the coordinates refer to (LAS 1.4 R15, 3); libLAS wrote WKT as its own.
+  [[nodiscard]] bool is_reference(std::uint16_t of) const;
 };
 
 struct Header {
   int minor = 0;
   int format = 0;           ///< of the points, without the bit that says compressed
   bool compressed = false;  ///< LAZ
+  bool says_wkt = false;    ///< that the reference is WKT; else it is GeoTIFF keys
   std::uint64_t points = 0;
   std::size_t record_size = 0;
   std::size_t first_point = 0;  ///< offset

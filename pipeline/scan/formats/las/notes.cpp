@@ -10,8 +10,6 @@
 namespace sparsha::pipeline::las {
 namespace {
 
-constexpr std::uint16_t kWkt = 2112, kGeoText = 34737;
-
 /// A field of so many bytes that ends at its first zero, without blanks around it.
 std::string text_at(std::string_view bytes) {
   bytes = bytes.substr(0, bytes.find('\0'));
@@ -22,13 +20,13 @@ std::string text_at(std::string_view bytes) {
 /// The first name in WKT is that of the whole; of GeoTIFF's texts the first part.
 std::string reference_of(const Header& header) {
   for (const Record& record : header.records) {
-    if (record.id != kWkt || record.user != "LASF_Projection") continue;
+    if (!record.is_reference(kWkt)) continue;
     const std::size_t begin = record.data.find('"');
     if (begin == std::string_view::npos) continue;
     return printable(record.data.substr(begin + 1, record.data.find('"', begin + 1) - begin - 1));
   }
   for (const Record& record : header.records) {
-    if (record.id == kGeoText && record.user == "LASF_Projection") {
+    if (record.is_reference(kGeoText)) {
       return text_at(record.data.substr(0, record.data.find('|')));
     }
   }
@@ -38,10 +36,9 @@ std::string reference_of(const Header& header) {
 /// LAS 1.4 R15, 2.4: formats 6 and above have their reference as WKT, and no number of points in the old place.
 void add_broken_rules(const ScanFile& file, const Header& header, std::vector<std::string>& notes) {
   if (header.minor < 4 || header.format < 6) return;
-  constexpr std::size_t kEncoding = 6, kOldPoints = 107;
-  constexpr unsigned kIsWkt = 16;
+  constexpr std::size_t kOldPoints = 107;
   const std::string format = std::to_string(header.format);
-  if ((load<std::uint16_t>(file.bytes.data() + kEncoding) & kIsWkt) == 0)
+  if (!header.says_wkt)
     notes.push_back("LAS: points of format " + format + " should have their reference as WKT, the header denies it");
   if (const auto old = load<std::uint32_t>(file.bytes.data() + kOldPoints); old != 0)
     notes.push_back("LAS: points of format " + format +
