@@ -10,21 +10,29 @@
 #include <Eigen/Core>
 #include <pugixml.hpp>
 
+#include "pipeline/scan/formats/e57/colours.hpp"
 #include "pipeline/scan/formats/e57/notes.hpp"
 #include "pipeline/scan/formats/e57/pictures.hpp"
 #include "pipeline/scan/formats/e57/points.h"
-#include "pipeline/scan/scalar.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
 namespace e57 {
 namespace {
 
-/// Index of a field within the wanted streams, -1 without.
-struct Roles {
+/// Indices of a point's place within the wanted streams, -1 without.
+struct Place {
   int a = -1, b = -1, c = -1;  ///< x y z, or range azimuth elevation
   bool spherical = false;
   int invalid = -1;
+
+  [[nodiscard]] bool is_whole() const { return a >= 0 && b >= 0 && c >= 0; }
+};
+
+/// Index of a field within the wanted streams, -1 without.
+struct Roles {
+  Place place;
+  std::optional<Place> other_place;  ///< of points whose place is not valid
   int red = -1, green = -1, blue = -1;
   int intensity = -1;
   int no_intensity = -1, no_colour = -1;    // flags of points that have none
@@ -42,8 +50,7 @@ struct Scan {
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   Eigen::Vector3d shift = Eigen::Vector3d::Zero();
   bool posed = false;  // the file says where it was made from
-  double colour_low = 0.0;
-  double colour_high = 255.0;
+  ColourLimits colours;
 };
 
 /// A text without the blanks around it; empty where there is none.
@@ -143,7 +150,13 @@ class Reader {
     }
     return value;
   }
-  double number_of(const pugi::xml_node& node) const { return number_in(node.child_value(), node.name(), 0.0); }
+  /// What an element says, by its type.
+  double number_of(const pugi::xml_node& node) const {
+    const double number = number_in(node.child_value(), node.name(), 0.0);
+    if (std::string_view(node.attribute("type").value()) != "ScaledInteger") return number;
+    return number * number_in(node.attribute("scale").value(), "scale", 1.0) +
+           number_in(node.attribute("offset").value(), "offset", 0.0);
+  }
 
   std::int64_t integer_of(const pugi::xml_attribute& attribute, std::int64_t otherwise) const {
     const std::string_view text = trimmed(attribute.value());
@@ -214,26 +227,52 @@ class Reader {
     }
   }
 
+  Place want_place(Scan& scan, bool spherical) const {
+    Place place;
+    place.spherical = spherical;
+    place.a = want(scan, spherical ? "sphericalRange" : "cartesianX");
+    place.b = want(scan, spherical ? "sphericalAzimuth" : "cartesianY");
+    place.c = want(scan, spherical ? "sphericalElevation" : "cartesianZ");
+    place.invalid = want(scan, spherical ? "sphericalInvalidState" : "cartesianInvalidState");
+    return place;
+  }
+
+  /// Of the names of the extension for normals, which the file may choose; the usual one where it declares none.
+  static std::string prefix_of_normals(const pugi::xml_node& scan) {
+    constexpr std::string_view kDeclaration = "xmlns:";
+    const pugi::xml_node prototype = scan.child("points").child("prototype");
+    for (pugi::xml_node node = prototype; node; node = node.parent()) {
+      for (const pugi::xml_attribute& attribute : node.attributes()) {
+        const std::string_view name = attribute.name(), uri = attribute.value();
+        if (name.starts_with(kDeclaration) && uri.find("surface_normals") != std::string_view::npos)
+          return std::string(name.substr(kDeclaration.size()));
+      }
+    }
+    return "nor";
+  }
+
   void choose_fields(const pugi::xml_node& node, Scan& scan) const {
     const auto has = [&](std::string_view name) {
       return std::any_of(scan.fields.begin(), scan.fields.end(), [&](const Field& f) { return f.name == name; });
     };
     Roles& roles = scan.roles;
-    roles.spherical = !has("cartesianX") && has("sphericalRange");
-    roles.a = want(scan, roles.spherical ? "sphericalRange" : "cartesianX");
-    roles.b = want(scan, roles.spherical ? "sphericalAzimuth" : "cartesianY");
-    roles.c = want(scan, roles.spherical ? "sphericalElevation" : "cartesianZ");
-    if (roles.a < 0 || roles.b < 0 || roles.c < 0) {
+    const Place cartesian = want_place(scan, false);
+    const Place spherical = cartesian.is_whole() && !(cartesian.invalid >= 0 && has("sphericalInvalidState"))
+                                ? Place{}
+                                : want_place(scan, true);
+    if (!cartesian.is_whole() && !spherical.is_whole()) {
       throw file_.error("a scan has neither Cartesian nor spherical coordinates",
                         "cartesianX, Y, Z or sphericalRange, Azimuth, Elevation");
     }
-    roles.invalid = want(scan, roles.spherical ? "sphericalInvalidState" : "cartesianInvalidState");
+    roles.place = cartesian.is_whole() ? cartesian : spherical;
+    if (cartesian.is_whole() && spherical.is_whole()) roles.other_place = spherical;
     roles.intensity = want(scan, "intensity");
     if (roles.intensity >= 0) roles.no_intensity = want(scan, "isIntensityInvalid");
-    if (has("nor:normalX") && has("nor:normalY") && has("nor:normalZ")) {
-      roles.nx = want(scan, "nor:normalX");
-      roles.ny = want(scan, "nor:normalY");
-      roles.nz = want(scan, "nor:normalZ");
+    const std::string normal = prefix_of_normals(node) + ":normal";
+    if (has(normal + "X") && has(normal + "Y") && has(normal + "Z")) {
+      roles.nx = want(scan, normal + "X");
+      roles.ny = want(scan, normal + "Y");
+      roles.nz = want(scan, normal + "Z");
       if (roles.ny < 0 || roles.nz < 0) roles.nx = -1;
     }
     if (has("colorRed") && has("colorGreen") && has("colorBlue")) {
@@ -244,63 +283,34 @@ class Reader {
     }
     if (roles.red >= 0) roles.no_colour = want(scan, "isColorInvalid");
     choose_others(scan);
-    if (roles.red >= 0) choose_colour_limits(node.child("colorLimits"), scan);
+    if (roles.red >= 0) {
+      scan.colours =
+          ColourLimits({field_of(scan, roles.red), field_of(scan, roles.green), field_of(scan, roles.blue)},
+                       node.child("colorLimits"), [&](const pugi::xml_node& number) { return number_of(number); });
+    }
   }
 
-  /// The greatest value that the field's type can have; infinite for floating-point numbers.
-  static double most_of(const Field& field) {
-    if (field.kind != Field::Kind::integer) return std::numeric_limits<double>::infinity();
-    const double ends[] = {static_cast<double>(field.minimum), static_cast<double>(field.maximum)};
-    return std::max(ends[0] * field.scale, ends[1] * field.scale) + field.offset;  // a scale may be negative
+  static const Field* field_of(const Scan& scan, int role) {
+    return &scan.fields[scan.wanted[static_cast<std::size_t>(role)]];
   }
 
-  void choose_colour_limits(const pugi::xml_node& limits, Scan& scan) const {
-    const Field& red = scan.fields[scan.wanted[static_cast<std::size_t>(scan.roles.red)]];
-    const bool whole = red.kind == Field::Kind::integer;
-    scan.colour_high = whole ? most_of(red) : 1.0;
-    if (!limits) return;
-    scan.colour_low = number_of(limits.child("colorRedMinimum"));
-    scan.colour_high = number_of(limits.child("colorRedMaximum"));
-    if (scan.colour_high > scan.colour_low) return;
-    scan.colour_low = 0.0;
-    scan.colour_high = whole ? 255.0 : 1.0;
-  }
-
-  /// Where channels have values above their limit: the limit that these values tell, with a warning.
-  void raise_colour_limit(Scan& scan) const {
+  /// Where the limits of colours are open: what the values of all records tell, with a warning.
+  void settle_colours(Scan& scan) const {
+    if (!scan.colours.are_open()) return;
     std::vector<std::size_t> channels;
     for (const int role : {scan.roles.red, scan.roles.green, scan.roles.blue})
       channels.push_back(scan.wanted[static_cast<std::size_t>(role)]);
-    const Field& red = scan.fields[channels.front()];
-    const auto may_exceed = [&](std::size_t channel) { return most_of(scan.fields[channel]) > scan.colour_high; };
-    if (std::none_of(channels.begin(), channels.end(), may_exceed)) return;
-    const double largest = largest_value(scan, channels);
-    if (largest <= scan.colour_high * kColourOvershoot) return;
-    const ColourScale scale = colour_scale(largest, red.kind != Field::Kind::integer);
-    const double usual = scale == ColourScale::unit ? 1.0 : scale == ColourScale::byte ? 255.0 : 65535.0;
-    const double high = std::max(largest > usual * kColourOvershoot ? largest : 0.0, std::min(usual, most_of(red)));
-    out_.scan().warnings.push_back(fmt::format(
-        "{}: its colours go up to {:.6g}, beyond their limit of {:.6g}; they are read as values from 0 to {:.6g}",
-        scan.name, largest, scan.colour_high, high));
-    scan.colour_low = 0.0;
-    scan.colour_high = high;
-  }
-
-  /// Of the fields in all records; 0 when none is greater.
-  double largest_value(const Scan& scan, const std::vector<std::size_t>& fields) const {
-    double largest = 0.0;
     try {
-      read_points(file_, pages_, scan.section, scan.records, scan.fields, fields,
+      read_points(file_, pages_, scan.section, scan.records, scan.fields, channels,
                   [&](std::vector<FieldStream>& streams) {
-                    for (FieldStream& stream : streams) {
-                      const double value = stream.take();
-                      if (value > largest && std::isfinite(value)) largest = value;
-                    }
+                    const double red = streams[0].take(), green = streams[1].take();
+                    return scan.colours.look({red, green, streams[2].take()});
                   });
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::input) throw;  // damage is said by those who read the points
     }
-    return largest;
+    if (const std::optional<std::string> said = scan.colours.settle())
+      out_.scan().warnings.push_back(scan.name + ": " + *said);
   }
 
   Scan parse_scan(const pugi::xml_node& node) const {
@@ -340,38 +350,37 @@ class Reader {
 
   void read_scan_points(Scan& scan, const pugi::xml_node& images) {
     const Roles& roles = scan.roles;
-    if (roles.red >= 0) raise_colour_limit(scan);
+    if (roles.red >= 0) settle_colours(scan);
     const std::optional<Pictures> pictures = pictures_of(scan, images);
     const bool posed = !scan.turn.isIdentity(0.0) || !scan.shift.isZero(0.0);
     // The scanner is the origin of its own coordinates; without a pose or angles they may be anybody's.
-    out_.set_station(scan.posed || roles.spherical ? std::optional(scan.shift) : std::nullopt);
+    out_.set_station(scan.posed || roles.place.spherical || roles.other_place ? std::optional(scan.shift)
+                                                                              : std::nullopt);
     std::vector<double> values(scan.wanted.size());
     const auto value = [&](int role) { return values[static_cast<std::size_t>(role)]; };
     out_.set_attributes(roles.red >= 0 || pictures.has_value(), roles.intensity >= 0, roles.nx >= 0);
-    const double colour_factor = 255.0 / (scan.colour_high - scan.colour_low);
-    const auto channel = [&](int role) {
-      return colour_byte((value(role) - scan.colour_low) * colour_factor, ColourScale::byte);
-    };
+    const auto is_flagged = [&](int role) { return role >= 0 && value(role) != 0.0; };
     read_points(
         file_, pages_, scan.section, scan.records, scan.fields, scan.wanted, [&](std::vector<FieldStream>& streams) {
           for (std::size_t i = 0; i < streams.size(); ++i) values[i] = streams[i].take();
-          if (roles.invalid >= 0 && value(roles.invalid) != 0.0) {
+          const Place* const place =
+              is_flagged(roles.place.invalid) && roles.other_place ? &*roles.other_place : &roles.place;
+          if (is_flagged(place->invalid)) {
             out_.add_invalid();
-            return;
+            return true;
           }
-          Eigen::Vector3d p(value(roles.a), value(roles.b), value(roles.c));
-          if (roles.spherical) {
+          Eigen::Vector3d p(value(place->a), value(place->b), value(place->c));
+          if (place->spherical) {
             const double flat = p.x() * std::cos(p.z());
             p = {flat * std::cos(p.y()), flat * std::sin(p.y()), p.x() * std::sin(p.z())};
           }
           if (posed) p = scan.turn * p + scan.shift;
           for (const auto& [role, slot] : roles.others) out_.set_field(slot, value(role));
-          const auto is_flagged = [&](int role) { return role >= 0 && value(role) != 0.0; };
           std::uint32_t rgba = kNoColour;
           if (pictures) {
             rgba = pictures->colour(p);
           } else if (roles.red >= 0 && !is_flagged(roles.no_colour)) {
-            rgba = pack_rgba(channel(roles.red), channel(roles.green), channel(roles.blue));
+            rgba = scan.colours.rgba({value(roles.red), value(roles.green), value(roles.blue)});
           }
           if (roles.nx >= 0) {
             const Eigen::Vector3d n = scan.turn * Eigen::Vector3d(value(roles.nx), value(roles.ny), value(roles.nz));
@@ -380,6 +389,7 @@ class Reader {
           out_.add(p.x(), p.y(), p.z(), rgba,
                    roles.intensity >= 0 && !is_flagged(roles.no_intensity) ? static_cast<float>(value(roles.intensity))
                                                                            : kNoIntensity);
+          return true;
         });
   }
 

@@ -68,7 +68,7 @@ double FieldStream::take() {
 
 void read_points(const ScanFile& file, const Pages& pages, std::uint64_t section, std::uint64_t records,
                  const std::vector<Field>& fields, const std::vector<std::size_t>& wanted,
-                 const std::function<void(std::vector<FieldStream>&)>& take) {
+                 const std::function<bool(std::vector<FieldStream>&)>& take) {
   if (records == 0) return;
   std::array<char, kSectionHeader> head{};
   const std::uint64_t begin = pages.logical(section, "points");
@@ -129,7 +129,9 @@ void read_points(const ScanFile& file, const Pages& pages, std::uint64_t section
     }
     std::uint64_t ready = records - done;
     for (const FieldStream& stream : streams) ready = std::min(ready, stream.available());
-    for (std::uint64_t i = 0; i < ready; ++i) take(streams);
+    for (std::uint64_t i = 0; i < ready; ++i) {
+      if (!take(streams)) return;
+    }
     done += ready;
     pages.done_before(at);
   }

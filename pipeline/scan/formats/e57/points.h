@@ -43,9 +43,9 @@ class FieldStream {
 };
 
 /// Decodes `records` records whose section begins at a physical offset. `take` gets the streams of the fields in
-/// `wanted` (by index into `fields`), each with at least one value, once a record.
+/// `wanted` (by index into `fields`), each with at least one value, once a record, until it gives false.
 void read_points(const ScanFile& file, const Pages& pages, std::uint64_t section, std::uint64_t records,
                  const std::vector<Field>& fields, const std::vector<std::size_t>& wanted,
-                 const std::function<void(std::vector<FieldStream>&)>& take);
+                 const std::function<bool(std::vector<FieldStream>&)>& take);
 
 }  // namespace sparsha::pipeline::e57

@@ -40,6 +40,7 @@ class Bits {
 
 struct E57File {
   std::string prototype;
+  std::string declarations;   ///< attributes of the root of the first scan's file
   std::string before_points;  ///< XML beside the points: pose, limits
   std::string beside;         ///< XML of the first scan's file, beside the scans
   std::string blob;           ///< of the first scan's file, at byte 48
@@ -88,7 +89,8 @@ struct E57File {
       put(logical, static_cast<std::uint64_t>(16 + blob.size()));
       logical += blob + std::string((4 - blob.size() % 4) % 4, '\0');
     }
-    std::string xml = "<?xml version=\"1.0\"?><e57Root type=\"Structure\"><data3D type=\"Vector\">";
+    std::string xml =
+        "<?xml version=\"1.0\"?><e57Root type=\"Structure\"" + scans.front().declarations + "><data3D type=\"Vector\">";
     for (const E57File& scan : scans) {
       xml += "<vectorChild type=\"Structure\">" + scan.before_points +
              "<points type=\"CompressedVector\" fileOffset=\"" + std::to_string(physical(logical.size())) +
