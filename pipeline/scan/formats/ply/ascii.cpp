@@ -110,10 +110,11 @@ ColourScale sampled_scale(const ScanFile& file, LineReader lines, const Element&
   return range.scale();
 }
 
-bool are_packed_colours(const ScanFile& file, LineReader lines, const Element& vertex, const VertexColumns& columns) {
+PackedColours packed_colours(const ScanFile& file, LineReader lines, const Element& vertex,
+                             const VertexColumns& columns) {
   RecordParser record(file, vertex, -1);
   std::string_view line;
-  PackedColours colours;
+  PackedColours colours(vertex.properties[static_cast<std::size_t>(columns.packed)]);
   std::uint64_t at = 0;
   at_sampled_records(vertex.count, [&](std::uint64_t i) {
     for (; at <= i; ++at) next_record(file, lines, vertex, at, line);
@@ -121,7 +122,7 @@ bool are_packed_colours(const ScanFile& file, LineReader lines, const Element& v
     colours.look(record[columns.packed]);
     return colours.good();
   });
-  return colours.good();
+  return colours;
 }
 
 /// From the first records.
@@ -168,7 +169,12 @@ void read_vertices(const ScanFile& file, LineReader& lines, const Element& verte
   const bool colour = columns.has_colour();
   const bool intensity = columns.intensity >= 0;
   const ColourScale scale = colour ? sampled_scale(file, lines, vertex, columns) : ColourScale::byte;
-  const bool packed = columns.packed >= 0 && are_packed_colours(file, lines, vertex, columns);
+  std::optional<PackedColours> packed;
+  if (columns.packed >= 0) {
+    packed = packed_colours(file, lines, vertex, columns);
+    packed->warn(out.scan());
+    if (!packed->good()) packed.reset();
+  }
   if (packed) out.set_attributes(true, intensity, columns.has_normals());
   std::vector<VertexField> fields = vertex_fields(vertex, columns, out);
   read_opacity_range(file, lines, vertex, fields);
@@ -190,7 +196,7 @@ void read_vertices(const ScanFile& file, LineReader& lines, const Element& verte
       rgba = pack_rgba(channel(record[columns.red]), channel(record[columns.green]), channel(record[columns.blue]),
                        columns.alpha >= 0 ? colour_byte(record[columns.alpha], scale) : 255);
     }
-    if (packed) rgba = PackedColours::rgba(record[columns.packed]);
+    if (packed) rgba = packed->rgba(record[columns.packed]);
     if (const std::uint32_t painted = paint[i]; painted != kNoColour) rgba = painted;
     for (const VertexField& field : fields) {
       out.set_field(field.slot, field.value(record[static_cast<int>(field.column)]));

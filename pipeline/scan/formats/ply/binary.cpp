@@ -53,7 +53,7 @@ class Body {
     read_opacity_range(vertex, layout, stride);
     if (columns.has_whole_splats()) look_at_splats(vertex, layout, stride);
     if (columns.has_colour()) layout.scale = sampled_scale(vertex, layout, stride);
-    const bool packed = columns.packed >= 0 && are_packed_colours(vertex, columns);
+    const bool packed = look_at_packed(vertex, columns);
     if (packed) layout.packed = slot_of(vertex, columns.packed, offsets);
     if (packed) out_.set_attributes(true, layout.intensity.present(), columns.has_normals());
     const bool bytes_only = layout.red.type == ScalarType::u8 && layout.green.type == ScalarType::u8 &&
@@ -283,19 +283,22 @@ class Body {
     return range.scale();
   }
 
-  bool are_packed_colours(const Element& vertex, const VertexColumns& columns) const {
+  /// Whether colours are packed into one property.
+  bool look_at_packed(const Element& vertex, const VertexColumns& columns) {
+    if (columns.packed < 0) return false;
     const auto column = static_cast<std::size_t>(columns.packed);
-    PackedColours colours;
+    PackedColours& colours = packed_.emplace(vertex.properties[column]);
     at_walked_records(vertex, [&](const char* record, const std::vector<std::size_t>& offsets) {
       colours.look(load_scalar<big>(record + offsets[column], vertex.properties[column].type));
       return colours.good();
     });
+    colours.warn(out_.scan());
     return colours.good();
   }
 
   void read_vertices_with_lists(const Element& vertex, const VertexColumns& columns) {
     const ColourScale scale = columns.has_colour() ? walked_scale(vertex, columns) : ColourScale::byte;
-    const bool packed = columns.packed >= 0 && are_packed_colours(vertex, columns);
+    const bool packed = look_at_packed(vertex, columns);
     if (packed) out_.set_attributes(true, columns.intensity >= 0, columns.has_normals());
     std::vector<std::size_t> offsets;
     for (std::uint64_t i = 0; i < vertex.count; ++i) {
@@ -348,7 +351,7 @@ class Body {
       rgba = pack_rgba(channel(layout.red), channel(layout.green), channel(layout.blue),
                        layout.alpha.present() ? colour_byte(value(layout.alpha), layout.scale) : 255);
     }
-    if (layout.packed.present()) rgba = PackedColours::rgba(value(layout.packed));
+    if (layout.packed.present()) rgba = packed_->rgba(value(layout.packed));
     if (const std::uint32_t painted = paint_[out_.records()]; painted != kNoColour) rgba = painted;
     out_.add(value(layout.x), value(layout.y), value(layout.z), rgba,
              layout.intensity.present() ? static_cast<float>(value(layout.intensity)) : 0.0F);
@@ -359,6 +362,7 @@ class Body {
   const Paint& paint_;
   std::vector<VertexField> fields_;
   std::optional<SplatVertices> splats_;
+  std::optional<PackedColours> packed_;
   const char* p_;
   const char* end_;
 };

@@ -78,7 +78,7 @@ VertexColumns vertex_columns(const ScanFile& file, const Element& vertex) {
   const auto is_packed = [](const Property& property) {
     return !property.count_type && (property.type == ScalarType::u32 || property.type == ScalarType::i32);
   };
-  const int packed = vertex.find({"rgb"});
+  const int packed = vertex.find({"rgb", "rgba"});
   if (packed >= 0 && !columns.has_colour() && is_packed(vertex.properties[static_cast<std::size_t>(packed)]))
     columns.packed = packed;
   columns.splats = vertex.find({"f_dc_0"}) >= 0 && vertex.find({"f_dc_1"}) >= 0 && vertex.find({"f_dc_2"}) >= 0;
@@ -114,6 +114,14 @@ std::vector<VertexField> vertex_fields(const Element& vertex, const VertexColumn
     fields.push_back({k, slot, columns.splats && property.name == "opacity"});
   }
   return fields;
+}
+
+void PackedColours::warn(RawScan& scan) const {
+  if (!named_rgba_ || good()) return;
+  scan.warnings.emplace_back(
+      "the numbers of 'rgba' are not read as colours: neither their first nor their last byte, the opacity, is the "
+      "same "
+      "in all of them; red, green and blue as properties of their own are");
 }
 
 void SplatVertices::decide() {

@@ -90,16 +90,24 @@ struct VertexField {
 
   [[nodiscard]] double value(double stored) const { return logit ? 1.0 / (1.0 + std::exp(-stored)) : stored / whole; }
 };
-/// Whether whole numbers of 32 bits may be colours, 0xRRGGBB below a byte that is the same in all of them.
+/// Whole numbers of 32 bits that may be colours: 0xRRGGBB below a byte that is the same in all of them, as PCL packs
+/// both `rgb` and `rgba`, or `rgba` as 0xRRGGBB before such a byte.
 class PackedColours {
  public:
+  explicit PackedColours(const Property& property) : named_rgba_(property.name == "rgba") {}
+
   void look(double stored) {
-    const std::uint32_t top = bits(stored) >> 24;
-    good_ = good_ && (!top_ || *top_ == top);
-    top_ = top;
+    const std::uint32_t value = bits(stored);
+    if (!first_) first_ = value;
+    top_same_ = top_same_ && value >> 24 == *first_ >> 24;
+    low_same_ = low_same_ && (value & 255) == (*first_ & 255);
   }
-  [[nodiscard]] bool good() const { return good_; }
-  [[nodiscard]] static std::uint32_t rgba(double stored) { return unpack_argb(bits(stored), true); }
+  [[nodiscard]] bool good() const { return top_same_ || (named_rgba_ && low_same_); }
+  [[nodiscard]] std::uint32_t rgba(double stored) const {
+    return unpack_argb(top_same_ ? bits(stored) : bits(stored) >> 8, true);
+  }
+  /// Numbers called `rgba` that are no colours are said.
+  void warn(RawScan& scan) const;
 
  private:
   static std::uint32_t bits(double stored) {
@@ -107,8 +115,9 @@ class PackedColours {
     return std::fabs(stored) < kWhole ? static_cast<std::uint32_t>(static_cast<std::int64_t>(stored)) : 0;
   }
 
-  bool good_ = true;
-  std::optional<std::uint32_t> top_;
+  bool named_rgba_;
+  bool top_same_ = true, low_same_ = true;
+  std::optional<std::uint32_t> first_;
 };
 
 /// Whether splats' opacities are logits, as training writes them, or what some programs write in their place: 0 to 1,

@@ -188,6 +188,16 @@ TEST(PlyReader, ReadsColoursThatArePackedIntoOneNumber) {
       EXPECT_THAT(scan.rgba, ElementsAre(0xFF1E140AU, 0xFFFFFFFFU, 0xFF000000U));
       EXPECT_TRUE(scan.warnings.empty());
     }
+    for (const bool ascii : {false, true}) {
+      const RawScan named = folder.read("a.ply", file_of(ascii, "property uint rgba\n", values));
+      EXPECT_THAT(named.rgba, ElementsAre(0xFF1E140AU, 0xFFFFFFFFU, 0xFF000000U)) << "as PCL packs them";
+      const RawScan last =
+          folder.read("b.ply", file_of(ascii, "property uint rgba\n", {0x0A141EFFU, 0xFFFFFFFFU, 255}));
+      EXPECT_THAT(last.rgba, ElementsAre(0xFF1E140AU, 0xFFFFFFFFU, 0xFF000000U)) << "opacity in the last byte";
+      const RawScan none = folder.read("c.ply", file_of(ascii, "property uint rgba\n", {5, 0x01000000U, 0x7F000002U}));
+      EXPECT_TRUE(none.rgba.empty());
+      EXPECT_THAT(none.warnings, ElementsAre(::testing::HasSubstr("'rgba' are not read as colours")));
+    }
     // Other numbers of that name are no colours.
     for (const bool ascii : {false, true})
       EXPECT_TRUE(folder.read("p.ply", file_of(ascii, packed, {5, 0x01000000U, 0x7F000000U})).rgba.empty());
