@@ -14,6 +14,7 @@
 #include "base/text/text.h"
 #include "pipeline/scan/pieces.h"
 #include "pipeline/scan/straight.h"
+#include "pipeline/scan/viewpoint.h"
 #include "scene/frame/length_unit.h"
 
 namespace sparsha::pipeline {
@@ -123,6 +124,9 @@ void doubt_pieces(RawScan& scan, const std::vector<Eigen::Vector3d>& sample) {
 
 void add_doubts(RawScan& scan, const PointSample& sample, std::uint64_t points, const EachPoint& each) {
   const std::vector<Eigen::Vector3d> some = sample.points();
+  if (scan.viewpoint) {
+    if (std::string doubt = viewpoint_doubt(*scan.viewpoint); !doubt.empty()) scan.warnings.push_back(std::move(doubt));
+  }
   doubt_lengths(scan, some, points);
   if (scan.degrees) return;
   if (doubt_line(scan, some, points)) return;

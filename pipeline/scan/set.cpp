@@ -24,6 +24,7 @@
 #include "pipeline/scan/straight.h"
 #include "pipeline/scan/units.h"
 #include "pipeline/scan/up_axes.h"
+#include "pipeline/scan/viewpoint.h"
 #include "scene/scene.h"
 
 namespace sparsha::pipeline {
@@ -144,6 +145,16 @@ struct ScanSet::Scan {
   std::vector<Seen> from;   ///< each station, file units
   PointSample with_normal;  ///< points whose normals the file states, file units
   PointSample normal_at_scanner;
+
+  /// A pose answers whether the points are in the sensor's own frame: they are where it is the viewpoint's.
+  void take_pose_for_viewpoint(const scene::ScanConfig& config) {
+    if (!raw.viewpoint) return;
+    const bool sized = config.units.unit == scene::LengthUnit::longest_side;
+    if (!sized && is_viewpoint(*raw.viewpoint, config.pose, scene::metres_in(config.units.unit))) {
+      for (Seen& seen : from) seen.place.setZero();
+    }
+    raw.viewpoint.reset();
+  }
 
   void look_from(const PointBlock& block) {
     if (!block.station) return;
@@ -321,6 +332,7 @@ struct ScanSet::Scan {
     if (scan->valid == 0 && scan->raw.unread > 0) {
       return look_at(config, fields, streamed, progress, mesh_refusal, {{}, 0, part.whole_chunks_only});
     }
+    if (!config.pose.isIdentity(0.0)) scan->take_pose_for_viewpoint(config);
     add_doubts(scan->raw, scan->looked.sample, scan->looked.count, [&](const auto& use) {
       scan->for_each_block([&](const PointBlock& block) { use(block.points); }, progress);
     });

@@ -1,4 +1,5 @@
 // Where a scanner stood, as files and poses say it.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
@@ -77,6 +78,38 @@ TEST(Stations, OfAPcdFileAreItsViewpointUnlessThatIsTheDefault) {
     EXPECT_EQ(stations[0].scan, (folder / "seen.pcd").string());
     EXPECT_EQ(stations[0].place_m, Eigen::Vector3d(0, -2, 4));
     EXPECT_EQ(stations[0].seen_m.size(), 3U);
+  }
+}
+
+TEST(Stations, AViewpointIsSaidWithThePoseThatMovesThePointsAndThatPoseAnswersIt) {
+  const TestFolder folder;
+  // A quarter turn about z, and a place.
+  const std::string turned = "10 -2 4 0.7071067811865476 0 0 0.7071067811865476";
+  write_file(folder / "turned.pcd", pcd(turned));
+  const auto warnings_of = [](const scene::ScanConfig& scan, std::vector<Station>& stations) {
+    Progress progress;
+    const ScanSet set({scan}, ScanSet::Keep::quickest, false, progress);
+    stations = set.stations();
+    return progress.warnings();
+  };
+  const auto told = ::testing::HasSubstr(
+      "'pose: {translate: [10, -2, 4], quaternion: [0, 0, 0.707106781, 0.707106781]}' of the scan");
+  std::vector<Station> stations;
+  EXPECT_THAT(warnings_of(scan_of(folder / "turned.pcd"), stations), ::testing::Contains(told));
+  EXPECT_THAT(inspect_scan(folder / "turned.pcd").warnings, ::testing::Contains(told));
+  scene::ScanConfig posed = scan_of(folder / "turned.pcd");
+  posed.pose << 0, -1, 0, 10, 1, 0, 0, -2, 0, 0, 1, 4, 0, 0, 0, 1;
+  EXPECT_THAT(warnings_of(posed, stations), ::testing::Not(::testing::Contains(told)));
+  ASSERT_EQ(stations.size(), 1U);
+  EXPECT_EQ(stations[0].place_m, Eigen::Vector3d(10, -2, 4)) << "the scanner is the origin of its own frame";
+  posed.pose << 1, 0, 0, 100, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1;
+  EXPECT_THAT(warnings_of(posed, stations), ::testing::Not(::testing::Contains(told)));
+  ASSERT_EQ(stations.size(), 1U);
+  EXPECT_EQ(stations[0].place_m, Eigen::Vector3d(110, -2, 4)) << "another pose moves the viewpoint with the points";
+  for (const std::string still : {"0 0 0 1 0 0 0", "0 0 0 -1 0 0 0", "0 0 0 0 0 0 0"}) {
+    write_file(folder / "still.pcd", pcd(still));
+    EXPECT_THAT(inspect_scan(folder / "still.pcd").warnings,
+                ::testing::Not(::testing::Contains(::testing::HasSubstr("viewpoint"))));
   }
 }
 
