@@ -72,6 +72,22 @@ class Arrivals {
   std::string first_;
 };
 
+/// The range of colours of points that stand one after the other: up to the first that decides.
+void look_at_stream(const ScanFile& file, const laz::Source& source, PointReader& reader) {
+  struct Decided {};
+  const std::size_t size = source.packing.record_size;
+  ThreadPool pool(1);
+  try {
+    laz::read_points(source, wanted_layers(source.packing, reader), pool, [&](std::string_view records, std::size_t) {
+      for (std::size_t at = 0; at < records.size(); at += size) reader.look(records.data() + at);
+      file.throw_if_cancelled();
+      if (reader.colours().is_decided()) throw Decided{};
+    });
+  } catch (const Decided&) {      // NOLINT(bugprone-empty-catch)
+  } catch (const laz::Damage&) {  // NOLINT(bugprone-empty-catch): said by those who read the points
+  }
+}
+
 /// The file's octree, and what is to be said of it. A damaged one does no harm to the points.
 std::optional<Octree> find_octree(const ScanFile& file, const Header& header, const laz::Packing& packing,
                                   RawScan& scan) {
@@ -231,6 +247,10 @@ laz::Layers wanted_layers(const laz::Packing& packing, const PointReader& reader
 
 std::uint64_t look_at_colours(const ScanFile& file, const laz::Source& source, const std::vector<laz::Chunk>& chunks,
                               PointReader& reader) {
+  if (chunks.empty()) {
+    look_at_stream(file, source, reader);
+    return 0;
+  }
   constexpr std::uint64_t kFewest = 16;
   const std::uint64_t n = chunks.size();
   const std::uint64_t usual = std::max<std::uint64_t>(source.points / std::max<std::uint64_t>(n, 1), 1);

@@ -61,7 +61,7 @@ class PointReader {
 
 /// Lets the reader look at the colours of some of the file's chunks, of which all are given in its order: the first,
 /// and unless that decides their scale others spread over the file. A damaged chunk tells nothing. Gives the bytes of
-/// those that were read. Throws Cancelled.
+/// those that were read. Without chunks all points are looked at, up to the first that decides. Throws Cancelled.
 std::uint64_t look_at_colours(const ScanFile& file, const laz::Source& source, const std::vector<laz::Chunk>& chunks,
                               PointReader& reader);
 

@@ -257,6 +257,41 @@ std::string raw_chunks(int count, std::uint16_t compressor = 2, std::uint16_t ve
   return packed + plain.substr(first);
 }
 
+/// The same of format 2, the first `dark` of which have colours of `low`, those behind them of `high`.
+std::string raw_coloured_chunks(int count, int dark, std::uint16_t low, std::uint16_t high) {
+  testing::LasFile file;
+  file.format = 2;
+  file.record_user = "laszip encoded";
+  file.record_id = 22204;
+  testing::put(file.record, std::uint16_t{2});
+  file.record += std::string(10, '\0');
+  testing::put(file.record, std::uint32_t{1});
+  file.record += std::string(16, '\0');
+  testing::put(file.record, std::uint16_t{2});
+  for (const int number : {6, 20, 2, 8, 6, 2}) testing::put(file.record, static_cast<std::uint16_t>(number));
+  for (int i = 0; i < count; ++i) {
+    std::string point = testing::las_point(2, i, i % 100, i % 7);
+    for (std::size_t k = 0; k < 3; ++k) set(point, 20 + 2 * k, i < dark ? low : high);
+    file.points.push_back(point);
+  }
+  const std::string plain = file.bytes();
+  const std::size_t first = plain.size() - static_cast<std::size_t>(count) * 26;
+  std::string packed = plain.substr(0, first);
+  packed[104] = static_cast<char>(128 + 2);
+  testing::put(packed, static_cast<std::int64_t>(first));
+  return packed + plain.substr(first);
+}
+
+TEST(Laz, TheScaleOfColoursWithoutATableOfChunksIsThatOfAllPoints) {
+  constexpr int kDark = (1 << 16) + 100;
+  const RawScan words = read_scan_bytes(raw_coloured_chunks(kDark + 10, kDark, 200, 65535), "scan.laz");
+  EXPECT_EQ(words.rgba.front(), 0xFF010101U);
+  EXPECT_EQ(words.rgba.back(), 0xFFFFFFFFU);
+  const RawScan bytes = read_scan_bytes(raw_coloured_chunks(kDark + 10, kDark, 100, 255), "scan.laz");
+  EXPECT_EQ(bytes.rgba.front(), 0xFF646464U);
+  EXPECT_EQ(bytes.rgba.back(), 0xFFFFFFFFU);
+}
+
 TEST(Laz, PointsThatAreWithheldAreCountedAsInvalid) {
   const RawScan scan = read_scan_bytes(raw_chunks(1500), "scan.laz");
   EXPECT_EQ(scan.records, 1500U);
