@@ -215,6 +215,19 @@ std::size_t whole_before_fractions(const std::vector<TableRow>& sample, std::siz
   return static_cast<double>(falls) >= kToAndFro * rows ? 1 : 0;
 }
 
+bool look_like_poses(const std::vector<TableRow>& sample, std::size_t usual) {
+  constexpr std::size_t kFewest = 3, kQuaternion = 4, kColumns = 8;
+  constexpr double kUnit = 0.01;
+  if (usual < kColumns || sample.size() < kFewest || !are_rows_alike(sample, usual)) return false;
+  for (std::size_t k = 0; k < sample.size(); ++k) {
+    const std::array<double, kMostColumns>& values = sample[k].values;
+    const Eigen::Vector4d quaternion(values[kQuaternion], values[5], values[6], values[7]);
+    if (!(std::abs(quaternion.norm() - 1.0) < kUnit)) return false;
+    if (k > 0 && !(values[0] > sample[k - 1].values[0])) return false;
+  }
+  return true;
+}
+
 bool looks_like_matrix(const std::vector<TableRow>& sample, std::size_t usual) {
   constexpr std::size_t kFewestColumns = 8, kFewestRows = 4;
   constexpr double kSmooth = 0.35, kSmoothEverywhere = 0.6;  // mean steps over the standard deviation of all values

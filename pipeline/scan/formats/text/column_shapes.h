@@ -63,6 +63,9 @@ namespace sparsha::pipeline {
 /// where its values go to and fro, as neither a raster's nor a scanner's lines do.
 [[nodiscard]] std::size_t whole_before_fractions(const std::vector<TableRow>& sample, std::size_t usual);
 
+/// A time that rises from row to row, a place and a unit quaternion, as programs write the path of a scanner.
+[[nodiscard]] bool look_like_poses(const std::vector<TableRow>& sample, std::size_t usual);
+
 /// True for eight columns and more whose values go on smoothly from each to the next: heights of a grid.
 [[nodiscard]] bool looks_like_matrix(const std::vector<TableRow>& sample, std::size_t usual);
 

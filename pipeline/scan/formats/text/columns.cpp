@@ -78,10 +78,23 @@ void guess_attributes(TableColumns& columns, const std::vector<TableRow>& sample
     set_intensity(columns, sample, 3);
   } else if (begins_with_normals(sample, usual)) {
     set_normals(columns, 3);
-    if (usual >= 9 && look_like_colours(sample, usual, 6)) set_colour(columns, 6);
-  } else if (usual == 7 && are_normals(sample, usual, 4)) {
+    const bool first = usual >= 9 && look_like_colours(sample, usual, 6);
+    const bool second = usual == 10 && look_like_colours(sample, usual, 7);
+    if (first) set_colour(columns, 6);
+    if (second) {
+      if (!first) set_colour(columns, 7);
+      set_intensity(columns, sample, first ? 9 : 6);
+    }
+    if (first && second) {
+      columns.notes.emplace_back(
+          "without a header columns 7 to 9 are taken as red, green and blue and column 10 as the intensity; if it is "
+          "the "
+          "other way round, 'columns: [x, y, z, nx, ny, nz, intensity, red, green, blue]' of the scan says so");
+    }
+  } else if ((usual == 7 || (usual == 10 && look_like_colours(sample, usual, 7))) && are_normals(sample, usual, 4)) {
     set_normals(columns, 4);
     set_intensity(columns, sample, 3);
+    if (usual == 10) set_colour(columns, 7);
   } else if (either && is_constant(sample, usual, 3) && !is_constant(sample, usual, 4) &&
              !is_constant(sample, usual, 5) && !is_constant(sample, usual, 6)) {
     set_colour(columns, 4);
@@ -302,6 +315,13 @@ TableColumns named_columns(const TableHeader& header, const HeaderPlace& place, 
                                  "', and are not read; columns of their own for red, green and blue are");
       break;
     }
+  }
+  const bool plain = find(header.names, "qx") >= 0 && find(header.names, "qw") >= 0;
+  if (plain || (find(header.names, "q_x") >= 0 && find(header.names, "q_w") >= 0)) {
+    columns.warnings.emplace_back(
+        "the header names a quaternion for each row, as of the path of a scanner: its places are taken as the points "
+        "of a "
+        "surface");
   }
   if (named.exchanged) {
     columns.warnings.push_back("the header says which of its x and y is north: x, to the east, is its column '" +

@@ -93,6 +93,9 @@ class Collector {
       head_.words = line;
     }
     const bool row_behind_word = kind == RowKind::words && is_row_behind_a_word(line);
+    if (const std::string_view word = overflow_in(line);
+        row_behind_word && !word.empty() && line.find(word) == line.find_first_not_of(" \t"))
+      throw file_.error_at(number, in_quotes(word) + kOverflow, kNoOverflow);
     if (row_behind_word && head_.left_out++ == 0) head_.first_left_out = number;
     if (kind == RowKind::words && listed_ > 0 && list_.size() < listed_) list_.push_back(line);
     bool units = false;

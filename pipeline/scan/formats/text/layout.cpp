@@ -255,6 +255,13 @@ class Inspector {
   /// What has numbers in rows, but no coordinates in them.
   void refuse_no_table(const std::vector<TableRow>& rows) const {
     if (layout_.columns.by == TextTable::By::names) return;
+    if (look_like_poses(rows, layout_.columns.usual)) {
+      throw file_.error_at(
+          layout_.first_row,
+          "rows of a time, a place and a quaternion are the path of a scanner, and no points of a surface",
+          "the scan itself, or 'columns: [skip, x, y, z]' of the scan in the configuration where the "
+          "places are its points");
+    }
     const TableHeader& header = head_.unused;
     const bool says_something = head_.headers.empty() && header.names.size() == layout_.columns.usual && !header.prose;
     if (!says_something && layout_.columns.by == TextTable::By::shape) return;

@@ -215,6 +215,18 @@ class Fields {
 
 }  // namespace
 
+std::string_view overflow_in(std::string_view text) {
+  constexpr std::string_view kBetween = " \t\r\",;", kNumber = "0123456789+-.eEdD*";
+  while (true) {
+    text.remove_prefix(std::min(text.find_first_not_of(kBetween), text.size()));
+    if (text.empty()) return {};
+    const std::string_view word = text.substr(0, text.find_first_of(kBetween));
+    if (word.find("**") != std::string_view::npos && word.find_first_not_of(kNumber) == std::string_view::npos)
+      return word;
+    text.remove_prefix(word.size());
+  }
+}
+
 RowKind parse_table_row(std::string_view line, const TableStyle& style, TableRow& row) {
   row.count = row.beyond = 0;
   const char* const end = line.data() + line.size();

@@ -41,4 +41,10 @@ struct TableStyle {
 /// Splits a line. Values may be in quotes, with separators between them.
 RowKind parse_table_row(std::string_view line, const TableStyle& style, TableRow& row);
 
+/// The first value of a text that has stars where a number was wider than its column, as Fortran writes it: "********",
+/// "1.000********". Empty without.
+[[nodiscard]] std::string_view overflow_in(std::string_view text);
+inline constexpr const char* kOverflow = " stands where a number was wider than its column, as Fortran writes it";
+inline constexpr const char* kNoOverflow = "wider columns, or NaN where there is no value";
+
 }  // namespace sparsha::pipeline

@@ -61,6 +61,7 @@ class Reader {
                                    "zero bytes in place of rows, as where a file was not written to its end",
                                    "a complete file, or one without them");
             }
+            refuse_overflow(line, lines.number());
             throw file_.error_at(lines.number(), in_quotes(line) + " is not a row of numbers", expected_row());
           }
           break;
@@ -191,7 +192,9 @@ class Reader {
     const auto value = [&](int column) { return row.values[static_cast<std::size_t>(column)]; };
     for (const int column : {columns().x, columns().y, columns().z}) {
       const std::string_view word = row.words[static_cast<std::size_t>(column)];
-      if (!word.empty()) throw file_.error_at(line, in_quotes(word) + " is not a number", expected_row());
+      if (word.empty()) continue;
+      refuse_overflow(word, line);
+      throw file_.error_at(line, in_quotes(word) + " is not a number", expected_row());
     }
     refuse_look_alikes(row, line);
     double z = value(columns().z);
@@ -239,11 +242,17 @@ class Reader {
     return static_cast<double>((values - before) / 2);
   }
 
+  void refuse_overflow(std::string_view text, int line) const {
+    if (const std::string_view word = overflow_in(text); !word.empty())
+      throw file_.error_at(line, in_quotes(word) + kOverflow, kNoOverflow);
+  }
+
   /// In columns of numbers that nobody asks for, too: colours with a letter for a digit are not taken for colours.
   void refuse_look_alikes(const TableRow& row, int line) const {
     for (std::size_t k = 0; k < row.count; ++k) {
       const bool skipped = k < file_.columns.size() && file_.columns[k] == "skip";
       if (row.words[k].empty() || skipped || !columns().wants_numbers(k)) continue;
+      refuse_overflow(row.words[k], line);
       if (!are_numbers_but_for_look_alikes(row.words[k])) continue;
       throw file_.error_at(line, in_quotes(row.words[k]) + " is not a number",
                            "digits, signs and points of ASCII; or 'skip' for the column in 'columns' of the scan");
