@@ -83,8 +83,10 @@ void look_at_stream(const ScanFile& file, const laz::Source& source, PointReader
       file.throw_if_cancelled();
       if (reader.colours().is_decided()) throw Decided{};
     });
-  } catch (const Decided&) {      // NOLINT(bugprone-empty-catch)
-  } catch (const laz::Damage&) {  // NOLINT(bugprone-empty-catch): said by those who read the points
+  } catch (const Decided&) {
+    return;
+  } catch (const laz::Damage&) {
+    return;  // said by those who read the points
   }
 }
 

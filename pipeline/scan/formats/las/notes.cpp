@@ -17,20 +17,29 @@ std::string text_at(std::string_view bytes) {
   return printable(bytes.substr(0, bytes.find_last_not_of(' ') + 1));
 }
 
-/// The first name in WKT is that of the whole; of GeoTIFF's texts the first part.
-std::string reference_of(const Header& header) {
+/// The first name in WKT is that of the whole.
+std::string name_in_wkt(const Header& header) {
   for (const Record& record : header.records) {
     if (!record.is_reference(kWkt)) continue;
     const std::size_t begin = record.data.find('"');
     if (begin == std::string_view::npos) continue;
     return printable(record.data.substr(begin + 1, record.data.find('"', begin + 1) - begin - 1));
   }
+  return {};
+}
+
+/// Of GeoTIFF's texts the first part.
+std::string name_in_keys(const Header& header) {
   for (const Record& record : header.records) {
-    if (record.is_reference(kGeoText)) {
-      return text_at(record.data.substr(0, record.data.find('|')));
-    }
+    if (record.is_reference(kGeoText)) return text_at(record.data.substr(0, record.data.find('|')));
   }
   return {};
+}
+
+/// Of both the one that the header says, as with units.
+std::string reference_of(const Header& header) {
+  const std::string wkt = name_in_wkt(header), keys = name_in_keys(header);
+  return wkt.empty() || (!header.says_wkt && !keys.empty()) ? keys : wkt;
 }
 
 /// LAS 1.4 R15, 2.4: formats 6 and above have their reference as WKT, and no number of points in the old place.

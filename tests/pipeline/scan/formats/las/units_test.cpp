@@ -10,6 +10,7 @@ namespace sparsha::pipeline::testing {
 namespace {
 
 using scene::LengthUnit;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -126,6 +127,13 @@ TEST(LasUnits, TheHeaderDecidesBetweenWktAndKeys) {
     EXPECT_EQ(read({wkt, {34735, geo_keys({{1024, 1}})}}, encoding).unit, LengthUnit::ft) << "keys without a unit";
     EXPECT_EQ(read({{2112, "PROJCS[\"p\"]"}, keys}, encoding).unit, LengthUnit::m) << "WKT without a unit";
   }
+}
+
+TEST(LasUnits, TheReferenceThatInfoNamesIsTheOneThatHolds) {
+  const LasRecord wkt{2112, kWktMetres}, text{34737, "NAD83 / zone 10|"};
+  EXPECT_THAT(read({wkt, text}).notes, Contains("LAS: coordinates of NAD83 / zone 10"));
+  EXPECT_THAT(read({text, wkt}, 16).notes, Contains("LAS: coordinates of p"));
+  EXPECT_THAT(read({wkt}).notes, Contains("LAS: coordinates of p"));
 }
 
 TEST(LasUnits, HeightsOfWktThatDifferFromThoseOfKeysAreSaid) {
