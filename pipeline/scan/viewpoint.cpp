@@ -27,11 +27,11 @@ std::string viewpoint_doubt(const Viewpoint& viewpoint) {
   const Eigen::Vector3d place = place_of(viewpoint);
   if (place.isZero(0.0) && turn.angularDistance(Eigen::Quaterniond::Identity()) < kTurned) return {};
   return fmt::format(
-      "its viewpoint, {:.6g}, moves no points: it is taken as the scanner's place only; if the points are in the "
-      "scanner's "
-      "own frame, 'pose: {{translate: [{:.9g}, {:.9g}, {:.9g}], quaternion: [{:.9g}, {:.9g}, {:.9g}, {:.9g}]}}' of the "
-      "scan in the configuration moves them (translate in metres)",
-      fmt::join(viewpoint, " "), place.x(), place.y(), place.z(), turn.x(), turn.y(), turn.z(), turn.w());
+      "its viewpoint, {:.6g}, moves no points{}; if they are in the scanner's own frame, 'pose: {{translate: [{:.9g}, "
+      "{:.9g}, {:.9g}], quaternion: [{:.9g}, {:.9g}, {:.9g}, {:.9g}]}}' of the scan in the configuration moves them "
+      "(translate in metres)",
+      fmt::join(viewpoint, " "), place.isZero(0.0) ? "" : ", its place alone is used, as the scanner's", place.x(),
+      place.y(), place.z(), turn.x(), turn.y(), turn.z(), turn.w());
 }
 
 bool is_viewpoint(const Viewpoint& viewpoint, const Eigen::Matrix4d& pose, double metres) {
