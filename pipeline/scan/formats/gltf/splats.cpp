@@ -94,7 +94,7 @@ double Splats::opacity(std::uint64_t n) const {
 double Splats::longest(std::uint64_t n) const {
   if (const auto* const packed = std::get_if<Packed>(&numbers_)) return (*packed)->longest(n);
   const std::array<double, 4> axes = std::get<Plain>(numbers_).axes(n);
-  return std::max({axes[0], axes[1], axes[2]});
+  return longer_axis(axes[0], longer_axis(axes[1], axes[2]));
 }
 
 std::optional<std::array<double, 3>> Splats::centre(std::uint64_t n) const {

@@ -144,7 +144,7 @@ void read_opacity_range(const ScanFile& file, LineReader lines, const Element& v
 }
 
 double longest_axis(const RecordParser& record, const VertexColumns& columns) {
-  return std::max({record[columns.axes[0]], record[columns.axes[1]], record[columns.axes[2]]});
+  return columns.longest_axis([&](int axis) { return record[axis]; });
 }
 
 /// By the first records.

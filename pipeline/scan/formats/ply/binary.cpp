@@ -56,11 +56,12 @@ class Body {
     const bool packed = look_at_packed(vertex, columns);
     if (packed) layout.packed = slot_of(vertex, columns.packed, offsets);
     if (packed) out_.set_attributes(true, layout.intensity.present(), columns.has_normals());
-    const bool bytes_only = layout.red.type == ScalarType::u8 && layout.green.type == ScalarType::u8 &&
-                            layout.blue.type == ScalarType::u8 && !layout.alpha.present() &&
-                            !layout.intensity.present() && fields_.empty() && !paint_.any();
-    const bool plain =
-        !columns.has_colour() && !packed && !layout.intensity.present() && fields_.empty() && !paint_.any();
+    // The quick ways know places, normals and colours alone; what is wanted besides may differ from pass to pass.
+    const bool quick = !splats_ && !layout.intensity.present() && fields_.empty() && !paint_.any();
+    const bool bytes_only = quick && !layout.splat_colour && layout.red.type == ScalarType::u8 &&
+                            layout.green.type == ScalarType::u8 && layout.blue.type == ScalarType::u8 &&
+                            !layout.alpha.present();
+    const bool plain = quick && !columns.has_colour() && !packed;
     const bool same = layout.x.type == layout.y.type && layout.x.type == layout.z.type;
     constexpr std::size_t kChunk = 1 << 16;
     for (std::uint64_t left = vertex.count; left > 0;) {
@@ -243,7 +244,10 @@ class Body {
     return load_scalar<big>(record + slot.offset, slot.type);
   }
   static double longest_axis(const VertexLayout& layout, const char* record) {
-    return std::max({stored(layout.axes[0], record), stored(layout.axes[1], record), stored(layout.axes[2], record)});
+    double longest = -std::numeric_limits<double>::infinity();
+    for (const Slot& axis : layout.axes)
+      longest = axis.present() ? longer_axis(longest, stored(axis, record)) : longest;
+    return longest;
   }
   void look_at_splats(const Element& vertex, const VertexLayout& layout, std::size_t stride) {
     splats_.emplace(layout.opacity.type);
@@ -283,6 +287,24 @@ class Body {
     return range.scale();
   }
 
+  /// Their opacities, for the fields and the sieve, where records may have any length.
+  void look_at_walked_splats(const Element& vertex, const VertexColumns& columns) {
+    if (!columns.splats || columns.opacity < 0) return;
+    const ScalarType type = vertex.properties[static_cast<std::size_t>(columns.opacity)].type;
+    OpacityRange range(type);
+    if (columns.has_whole_splats()) splats_.emplace(type);
+    at_walked_records(vertex, [&](const char* record, const std::vector<std::size_t>& offsets) {
+      const auto value = [&](int column) { return stored(slot_of(vertex, column, offsets), record); };
+      range.look_at(value(columns.opacity));
+      if (splats_) splats_->look_at(value(columns.opacity), columns.longest_axis(value));
+      return true;
+    });
+    if (splats_) splats_->decide();
+    for (VertexField& field : fields_) {
+      if (field.logit) range.tell(field);
+    }
+  }
+
   /// Whether colours are packed into one property.
   bool look_at_packed(const Element& vertex, const VertexColumns& columns) {
     if (columns.packed < 0) return false;
@@ -300,6 +322,7 @@ class Body {
     const ColourScale scale = columns.has_colour() ? walked_scale(vertex, columns) : ColourScale::byte;
     const bool packed = look_at_packed(vertex, columns);
     if (packed) out_.set_attributes(true, columns.intensity >= 0, columns.has_normals());
+    look_at_walked_splats(vertex, columns);
     std::vector<std::size_t> offsets;
     for (std::uint64_t i = 0; i < vertex.count; ++i) {
       const char* const next = record_offsets(vertex, p_, offsets);
@@ -310,6 +333,7 @@ class Body {
       add_any(layout, p_);
       p_ = next;
     }
+    if (splats_) splats_->warn(out_.scan());
   }
 
   void set_normal(const VertexLayout& layout, const char* q) {

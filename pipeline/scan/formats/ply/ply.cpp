@@ -260,6 +260,12 @@ void read_ply(const ScanFile& file, ScanWriter& out) {
   if (coloured > 0 && !columns.has_colour() && columns.packed < 0)
     scan.warnings.push_back(unused_face_colours(coloured));
   out.expect_mesh(vertex->count, faces);
+  if (columns.splats && !columns.has_whole_splats()) {
+    note_splats(scan);
+    scan.warnings.emplace_back(
+        "the splats have no opacity or no axes (properties opacity and scale_0): none of them is left out as no "
+        "surface");
+  }
   const Paint paint = ply::paint_of(file, header, out);
   if (paint.any() && !columns.has_colour()) scan.fields.insert(scan.fields.end(), {"red", "green", "blue"});
   out.begin(vertex->count, columns.has_colour() || paint.any(), columns.intensity >= 0, columns.has_normals());

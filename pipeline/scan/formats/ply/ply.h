@@ -68,15 +68,20 @@ struct VertexColumns {
   int intensity = -1;
   int nx = -1, ny = -1, nz = -1;
   int opacity = -1;
-  std::array<int, 3> axes = {-1, -1, -1};  ///< of splats
+  std::array<int, 3> axes = {-1, -1, -1};  ///< of splats; flat ones (Huang et al. 2024) have two, round ones one
   bool splats = false;                     ///< Gaussian splats, see VertexField::logit
   bool splat_colour = false;               ///< red, green and blue are as colour_of_splat() takes them
 
   [[nodiscard]] bool has_colour() const { return red >= 0 && green >= 0 && blue >= 0; }
-  /// Splats with all that tells which of them are no surface.
-  [[nodiscard]] bool has_whole_splats() const {
-    return splats && opacity >= 0 && axes[0] >= 0 && axes[1] >= 0 && axes[2] >= 0;
+  /// The longest axis by the values of its columns; -infinity without any.
+  template <typename Value>
+  [[nodiscard]] double longest_axis(const Value& value) const {
+    double longest = -std::numeric_limits<double>::infinity();
+    for (const int axis : axes) longest = axis < 0 ? longest : longer_axis(longest, value(axis));
+    return longest;
   }
+  /// Splats with all that tells which of them are no surface.
+  [[nodiscard]] bool has_whole_splats() const { return splats && opacity >= 0 && axes[0] >= 0; }
   [[nodiscard]] bool has_normals() const { return nx >= 0 && ny >= 0 && nz >= 0; }
 };
 [[nodiscard]] VertexColumns vertex_columns(const ScanFile& file, const Element& vertex);
@@ -129,6 +134,7 @@ class OpacityRange {
   explicit OpacityRange(ScalarType type) : floating_(is_floating(type)) {}
 
   void look_at(double stored) {
+    if (!std::isfinite(stored)) return;
     least_ = std::min(least_, stored);
     most_ = std::max(most_, stored);
     whole_ = whole_ && stored == std::floor(stored);

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kRecord = 32;  // bytes
 
 double longest_axis(const char* record) {
-  return std::max({load<float>(record + 12), load<float>(record + 16), load<float>(record + 20)});
+  return longer_axis(load<float>(record + 12), longer_axis(load<float>(record + 16), load<float>(record + 20)));
 }
 double opacity_of(const char* record) { return load<std::uint8_t>(record + 27) / 255.0; }
 

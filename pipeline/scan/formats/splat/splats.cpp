@@ -8,6 +8,11 @@
 
 namespace sparsha::pipeline {
 
+void note_splats(RawScan& scan) {
+  if (std::find(scan.notes.begin(), scan.notes.end(), kSplatNote) == scan.notes.end())
+    scan.notes.emplace_back(kSplatNote);
+}
+
 void SplatSieve::look_at(double opacity, double longest) {
   if (opacity >= kLeastOpacity && std::isfinite(longest)) axes_.push_back(longest);
 }
@@ -22,13 +27,14 @@ void SplatSieve::decide() {
 }
 
 void SplatSieve::warn(RawScan& scan) const {
-  if (std::find(scan.notes.begin(), scan.notes.end(), kSplatNote) == scan.notes.end())
-    scan.notes.emplace_back(kSplatNote);
-  if (faint_ + large_ == 0) return;
-  scan.warnings.push_back(
-      fmt::format("{} of {} splats are no surface and are counted as invalid: {} have an opacity below {}, {} an axis "
-                  "longer than {} times the median's",
-                  faint_ + large_, seen_, faint_, kLeastOpacity, large_, kMostMedians));
+  note_splats(scan);
+  const std::uint64_t gone = faint_ + large_ + not_numbers_;
+  if (gone == 0) return;
+  scan.warnings.push_back(fmt::format(
+      "{} of {} splats are no surface and are counted as invalid: {} have an opacity below {}, {} an axis "
+      "longer than {} times the median's{}",
+      gone, seen_, faint_, kLeastOpacity, large_, kMostMedians,
+      not_numbers_ > 0 ? fmt::format(", {} an opacity or an axis that is not a number", not_numbers_) : ""));
 }
 
 }  // namespace sparsha::pipeline

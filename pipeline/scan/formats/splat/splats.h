@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -20,8 +21,15 @@ inline constexpr const char* kSplatNote =
     "Gaussian splats: their centres, with the colour that all views share; how colours change with the view is not "
     "read";
 
+/// Says once that the points are splats.
+void note_splats(RawScan& scan);
+
+/// The longer of two axes; not a number where one of them is none.
+[[nodiscard]] inline double longer_axis(double a, double b) { return std::isnan(a) || a > b ? a : b; }
+
 /// Takes away what training leaves between cameras and surface: splats that hardly show, and those far longer than
-/// others, which stand for sky and haze. What is no number is left to the writer.
+/// others, which stand for sky and haze, and those whose opacity or axes are not numbers. Coordinates are left to the
+/// writer.
 class SplatSieve {
  public:
   static constexpr double kLeastOpacity = 0.1;  ///< of 1
@@ -35,10 +43,15 @@ class SplatSieve {
   void decide();
   /// Counts.
   [[nodiscard]] bool keeps(double opacity, double longest) {
-    const bool faint = opacity<kLeastOpacity, large = longest> most_;
+    ++seen_;
+    if (std::isnan(opacity) || !std::isfinite(longest)) {
+      ++not_numbers_;
+      return false;
+    }
+    const bool faint = opacity < kLeastOpacity;
+    const bool large = longest > most_;
     faint_ += faint ? 1 : 0;
     large_ += large && !faint ? 1 : 0;
-    ++seen_;
     return !faint && !large;
   }
   /// Says what the points are, and what was left out.
@@ -47,7 +60,7 @@ class SplatSieve {
  private:
   std::vector<double> axes_;
   double most_ = 0.0;
-  std::uint64_t faint_ = 0, large_ = 0, seen_ = 0;
+  std::uint64_t faint_ = 0, large_ = 0, not_numbers_ = 0, seen_ = 0;
 };
 
 }  // namespace sparsha::pipeline
