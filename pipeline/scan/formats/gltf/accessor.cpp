@@ -111,6 +111,12 @@ Accessor::Accessor(const Document& document, std::uint64_t index, const Place& a
   const std::optional<std::uint64_t> view_index = document.whole(object, "bufferView", place_);
   if (view_index) {
     const Document::View view = document.view(*view_index, place_);
+    if (view.stride > 0 && view.stride < size) {
+      throw document.error(
+          place_,
+          fmt::format("its elements of {} bytes overlap: its buffer view has a byteStride of {}", size, view.stride),
+          fmt::format("a byteStride of {} or more, or none", size));
+    }
     if (view.stride > 0) stride_ = view.stride;
     bytes_ = part_of(document, view, document.whole(object, "byteOffset", 0, place_), count_, size, stride_, place_);
   }

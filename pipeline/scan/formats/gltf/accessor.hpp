@@ -34,6 +34,8 @@ class Accessor {
   [[nodiscard]] std::size_t components() const { return components_; }
   [[nodiscard]] ScalarType type() const { return type_; }
   [[nodiscard]] bool normalised() const { return normalised_; }
+  /// From now on; true when it was not.
+  bool normalise() { return !std::exchange(normalised_, true); }
   [[nodiscard]] const Place& place() const { return place_; }
 
   /// Element n < size(): whole types that are normalised are from -1 or 0 to 1.

@@ -61,6 +61,14 @@ Document::Document(const ScanFile& file) : file_(file), root_(std::make_unique<J
         version.empty() ? "a glTF file that names no version" : "a glTF file of version " + in_quotes(version),
         "glTF 2.0; Blender and most converters write it");
   }
+  if (const auto least = asset->find("minVersion"); least != asset->end()) {
+    if (!least->is_string()) throw error("asset", "'minVersion' is no text", "\"2.0\"");
+    const std::string needed = least->get<std::string>();
+    if (needed != "2.0" && needed != "2" && !needed.starts_with("1.")) {
+      throw file_.error("a glTF file that needs version " + in_quotes(needed) + " or later",
+                        "glTF 2.0; Blender and most converters write it");
+    }
+  }
   buffers_.resize(static_cast<std::size_t>(size_of("buffers")));
 }
 

@@ -33,9 +33,10 @@ using gltf::Json;
 using gltf::Place;
 
 /// Extensions that may be required: those that are read, and some that change neither form nor colour of vertices.
-constexpr std::array<std::string_view, 8> kKnown{
-    "KHR_mesh_quantization", "KHR_texture_transform",   "KHR_texture_basisu",      "EXT_texture_webp",
-    "KHR_lights_punctual",   "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression"};
+constexpr std::array<std::string_view, 9> kKnown{
+    "KHR_node_visibility",     "KHR_mesh_quantization",   "KHR_texture_transform",
+    "KHR_texture_basisu",      "EXT_texture_webp",        "KHR_lights_punctual",
+    "EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression"};
 void refuse_extensions(const Document& document) {
   const auto required = document.root().find("extensionsRequired");
   if (required == document.root().end() || !required->is_array()) return;
@@ -79,8 +80,7 @@ struct Primitive {
   std::vector<std::pair<std::string, Accessor>> numbers;  ///< attributes of its own with one number each
 
   [[nodiscard]] gltf::SharedVertices::Use use() const {
-    const bool some = indices && mode != Mode::points && !splats;
-    return {source, positions.size(), some ? &*indices : nullptr};
+    return {source, positions.size(), indices ? &*indices : nullptr, mode == Mode::points};
   }
   [[nodiscard]] std::uint64_t triangles() const {
     const std::uint64_t corners = indices ? indices->size() : positions.size();
@@ -103,7 +103,9 @@ class Reader {
       scan.notes.push_back("glTF: written by " + printable(generator->get<std::string>()));
     const gltf::Shown shown = gltf::shown_meshes(document_);
     if (shown.instances.empty())
-      throw file_.empty("no node of its scene shows a mesh", "a scene with a mesh or with points");
+      throw file_.empty(shown.hidden > 0 ? "all meshes of its scene are hidden (KHR_node_visibility)"
+                                         : "no node of its scene shows a mesh",
+                        "a scene with a mesh or with points");
     std::vector<std::vector<Primitive>> meshes(static_cast<std::size_t>(document_.size_of("meshes")));
     std::uint64_t total = 0, triangles = 0;
     for (const gltf::Instance& instance : shown.instances) {
@@ -113,6 +115,7 @@ class Reader {
         mesh = primitives_of(instance.mesh);
         for (const Primitive& primitive : mesh) vertices_.look_at(primitive.use());
       }
+      if (gltf::is_morphed(document_, instance)) morphed_.insert(instance.mesh);
       vertices_.stand_at(instance.place);
       for (const Primitive& primitive : mesh) {
         total += vertices_.most_given_by(primitive.use());
@@ -157,7 +160,6 @@ class Reader {
       if (!(*list)[k].is_object()) throw document_.error(here, "no object", "{...}");
       if (auto primitive = primitive_of((*list)[k], here)) result.push_back(std::move(*primitive));
     }
-    if (mesh.contains("weights")) ++morphed_;
     return result;
   }
 
@@ -196,7 +198,11 @@ class Reader {
     const auto size = primitive.positions.size();
     require(primitive.positions, 3, 3, size);
     if (primitive.normals) require(*primitive.normals, 3, 3, size);
-    if (primitive.colours) require(*primitive.colours, 3, 4, size);
+    if (primitive.colours) {
+      require(*primitive.colours, 3, 4, size);
+      // The standard allows no others (3.7.2.1).
+      if (!is_floating(primitive.colours->type()) && primitive.colours->normalise()) ++scaled_colours_;
+    }
     if (const std::optional<std::uint64_t> indices = document_.whole(json, "indices", place)) {
       if (packed) {
         primitive.indices.emplace(document_, *indices, place + ".indices", *packed, "");
@@ -411,7 +417,17 @@ class Reader {
         "nodes' skins are not applied: the meshes stand as they were modelled");
     say(shown.many, "a node repeats its mesh (EXT_mesh_gpu_instancing): it is read once",
         "nodes repeat their meshes (EXT_mesh_gpu_instancing): each is read once");
-    say(morphed_, "a mesh's morph targets are not applied", "meshes' morph targets are not applied");
+    say(shown.hidden, "a node's mesh is hidden (KHR_node_visibility) and left out",
+        "nodes' meshes are hidden (KHR_node_visibility) and left out");
+    say(shown.placed_twice, "a node has a matrix and a translation, rotation or scale beside it: the matrix is used",
+        "nodes have a matrix and a translation, rotation or scale beside it: the matrices are used");
+    say(vertices_.unnamed(), "a position that no index of its points names is not read",
+        "positions that no index of their points names are not read");
+    say(vertices_.missing(), "an index of points names a position that is not there; left out",
+        "indices of points name positions that are not there; left out");
+    say(scaled_colours_, "a primitive's colours are whole numbers that are not said to be normalised: they are read so",
+        "primitives' colours are whole numbers that are not said to be normalised: they are read so");
+    say(morphed_.size(), "a mesh's morph targets are not applied", "meshes' morph targets are not applied");
     say(lines_, "a primitive of lines is not used: it is no surface",
         "primitives of lines are not used: they are no surface");
     say(without_places_, "a primitive without positions is not used", "primitives without positions are not used");
@@ -439,7 +455,8 @@ class Reader {
   bool colour_ = false;
   bool normals_ = false;
   std::map<std::string, int> slots_;  ///< of attributes of the file's own
-  std::uint64_t lines_ = 0, without_places_ = 0, not_laid_ = 0, morphed_ = 0, broken_ = 0;
+  std::set<std::uint64_t> morphed_;   ///< meshes
+  std::uint64_t lines_ = 0, without_places_ = 0, not_laid_ = 0, broken_ = 0, scaled_colours_ = 0;
 };
 
 }  // namespace

@@ -23,9 +23,27 @@ bool read_numbers(const Document& document, const Json& node, const char* key, c
   return true;
 }
 
+/// Other matrices must not be there (3.5.3).
+void require_affine(const Document& document, const Eigen::Matrix4d& matrix, const Place& place) {
+  constexpr double kRounding = 1e-6;  // of float32 in text
+  const auto is_last = [&](const Eigen::Vector4d& row) {
+    return (row - Eigen::Vector4d::UnitW()).cwiseAbs().maxCoeff() <= kRounding;
+  };
+  if (is_last(matrix.row(3))) return;
+  const bool by_rows = is_last(matrix.col(3));
+  throw document.error(place,
+                       by_rows ? "'matrix' is written row by row: its numbers 4, 8 and 12 hold the translation"
+                               : "'matrix' has numbers 4, 8, 12 and 16 that are not 0, 0, 0 and 1",
+                       "a matrix column by column, with the translation in its numbers 13 to 15");
+}
+
 Eigen::Matrix4d local_place(const Document& document, const Json& node, const Place& place) {
   std::array<double, 16> matrix{};
-  if (read_numbers(document, node, "matrix", place, matrix)) return Eigen::Map<Eigen::Matrix4d>(matrix.data());
+  if (read_numbers(document, node, "matrix", place, matrix)) {
+    const Eigen::Matrix4d by_columns = Eigen::Map<Eigen::Matrix4d>(matrix.data());
+    require_affine(document, by_columns, place);
+    return by_columns;
+  }
   std::array<double, 3> move{0.0, 0.0, 0.0};
   std::array<double, 4> turn{0.0, 0.0, 0.0, 1.0};
   std::array<double, 3> scale{1.0, 1.0, 1.0};
@@ -95,18 +113,25 @@ Eigen::Matrix4d scan_from_scene(const Document& document) {
   return result;
 }
 
+/// KHR_node_visibility; its children are hidden with it.
+bool is_hidden(const Json& node) {
+  static const Json::json_pointer visible("/extensions/KHR_node_visibility/visible");
+  return node.contains(visible) && node[visible] == false;
+}
+
 }  // namespace
 
 Shown shown_meshes(const Document& document) {
   struct Open {
     std::uint64_t node;
     Eigen::Matrix4d parent;
+    bool hidden;
   };
   Shown shown;
   std::vector<Open> open;
   const std::vector<std::uint64_t> roots = root_nodes(document, shown);
   const Eigen::Matrix4d scene = scan_from_scene(document);
-  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({*root, scene});
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({*root, scene, false});
   std::vector<bool> seen(static_cast<std::size_t>(document.size_of("nodes")));
   while (!open.empty()) {
     const Open next = open.back();
@@ -117,8 +142,14 @@ Shown shown_meshes(const Document& document) {
     seen[static_cast<std::size_t>(next.node)] = true;
     const Json& node = document.item("nodes", next.node, place);
     const Eigen::Matrix4d here = next.parent * local_place(document, node, place);
-    if (const std::optional<std::uint64_t> mesh = document.whole(node, "mesh", place)) {
-      shown.instances.push_back({*mesh, here});
+    const bool hidden = next.hidden || is_hidden(node);
+    const bool parts = node.contains("translation") || node.contains("rotation") || node.contains("scale");
+    shown.placed_twice += node.contains("matrix") && parts ? 1 : 0;
+    const std::optional<std::uint64_t> mesh = document.whole(node, "mesh", place);
+    if (mesh && hidden) {
+      ++shown.hidden;
+    } else if (mesh) {
+      shown.instances.push_back({*mesh, next.node, here});
       shown.skinned += node.contains("skin") ? 1 : 0;
       const auto extensions = node.find("extensions");
       const bool many =
@@ -126,9 +157,18 @@ Shown shown_meshes(const Document& document) {
       shown.many += many ? 1 : 0;
     }
     const std::vector<std::uint64_t> children = indices(document, node, "children", place);
-    for (auto child = children.rbegin(); child != children.rend(); ++child) open.push_back({*child, here});
+    for (auto child = children.rbegin(); child != children.rend(); ++child) open.push_back({*child, here, hidden});
   }
   return shown;
+}
+
+bool is_morphed(const Document& document, const Instance& instance) {
+  const Json& node = document.item("nodes", instance.node, "nodes");
+  const Json& mesh = document.item("meshes", instance.mesh, "nodes");
+  const Json& owner = node.contains("weights") ? node : mesh;
+  const auto weights = owner.find("weights");
+  return weights != owner.end() && weights->is_array() &&
+         std::any_of(weights->begin(), weights->end(), [](const Json& weight) { return weight != 0; });
 }
 
 }  // namespace sparsha::pipeline::gltf

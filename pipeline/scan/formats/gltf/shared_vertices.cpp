@@ -20,11 +20,26 @@ void SharedVertices::look_at(const Use& use) {
   Accessed& accessed = accessors_[use.accessor];
   ++accessed.uses;
   accessed.named.resize(static_cast<std::size_t>(use.size));
+  accessed.points_alone = accessed.points_alone && use.points && use.indices != nullptr;
   if (use.indices == nullptr) {
     accessed.named.assign(accessed.named.size(), true);
   } else {
-    each_named(use, [&](std::uint32_t index) { accessed.named[index] = true; });
+    std::uint64_t there = 0;
+    each_named(use, [&](std::uint32_t index) {
+      accessed.named[index] = true;
+      ++there;
+    });
+    if (use.points) missing_ += use.indices->size() - there;
   }
+}
+
+std::uint64_t SharedVertices::unnamed() const {
+  std::uint64_t count = 0;
+  for (const auto& [accessor, accessed] : accessors_) {
+    if (accessed.points_alone)
+      count += static_cast<std::uint64_t>(std::count(accessed.named.begin(), accessed.named.end(), false));
+  }
+  return count;
 }
 
 void SharedVertices::stand_at(const Eigen::Matrix4d& place) {
@@ -38,14 +53,14 @@ void SharedVertices::stand_at(const Eigen::Matrix4d& place) {
 bool SharedVertices::comes_first(const Use& use) { return given_.emplace(use.accessor, place_).second; }
 
 std::uint64_t SharedVertices::most_given_by(const Use& use) {
-  if (use.indices == nullptr || comes_first(use)) return use.size;
+  if (use.indices == nullptr || (!use.points && comes_first(use))) return use.size;
   return std::min(use.size, use.indices->size());
 }
 
 std::optional<std::vector<std::uint32_t>> SharedVertices::given_by(const Use& use) {
   if (use.indices == nullptr) return std::nullopt;
   std::vector<std::uint32_t> vertices;
-  if (!comes_first(use)) {
+  if (use.points || !comes_first(use)) {
     vertices.reserve(static_cast<std::size_t>(use.indices->size()));
     each_named(use, [&](std::uint32_t index) { vertices.push_back(index); });
     std::sort(vertices.begin(), vertices.end());
