@@ -1,11 +1,15 @@
 #include "pipeline/scan/formats/threemf/model.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <optional>
 #include <set>
 
 #include "base/text/lower_case.h"
+#include "pipeline/scan/foreign_text.h"
+#include "pipeline/scan/formats/threemf/unit.h"
 #include "pipeline/scan/formats/threemf/xml.h"
 #include "pipeline/scan/text.h"
 
@@ -19,11 +23,20 @@ std::string part_name(std::string_view path) {
   return lower_case(path);
 }
 
+std::string read_text(const ScanFile& file, const ZipArchive& archive, std::string_view part) {
+  std::string text = archive.read(part);
+  if (const char* const encoding = wide_encoding(text)) {
+    throw file.error("the archive's part " + in_quotes(part) + " is text in " + encoding,
+                     "XML in UTF-8; reading the package in a slicer and writing it again makes it so");
+  }
+  return text;
+}
+
 /// Of the package's relations the one that names its model.
 std::string root_model(const ScanFile& file, const ZipArchive& archive) {
   constexpr std::string_view kRelations = "_rels/.rels";
   if (archive.has(kRelations)) {
-    const std::string text = archive.read(kRelations);
+    const std::string text = read_text(file, archive, kRelations);
     XmlTags tags(file, text);
     while (tags.next()) {
       if (!tags.opens() || tags.name() != "Relationship") continue;
@@ -47,8 +60,36 @@ Eigen::Matrix4d parse_place(const XmlTags& tags) {
     }
     place(k % 3, k / 3) = value;
   }
+  if (!take_word(*text).empty()) throw tags.error("a transform has more than twelve numbers", "twelve numbers");
   return place;
 }
+
+/// Extensions that may be required: those that are read, and those that change no form.
+constexpr std::array<std::string_view, 4> kKnown{"http://schemas.microsoft.com/3dmanufacturing/core/2015/02",
+                                                 "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
+                                                 "http://schemas.microsoft.com/3dmanufacturing/production/2015/06",
+                                                 "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07"};
+
+/// Without what a model requires, its meshes are no more than a part or a coarse stand-in of its objects.
+void refuse_extensions(const XmlTags& tags) {
+  std::string_view prefixes = tags.value("requiredextensions").value_or("");
+  for (std::string_view prefix = take_word(prefixes); !prefix.empty(); prefix = take_word(prefixes)) {
+    const std::optional<std::string_view> name = tags.namespace_of(prefix);
+    if (name && std::find(kKnown.begin(), kKnown.end(), *name) != kKnown.end()) continue;
+    constexpr std::string_view kCommon = "/3dmanufacturing/";
+    const std::size_t own = name ? name->find(kCommon) : std::string_view::npos;
+    throw tags.error(
+        "the model requires the extension " + in_quotes(prefix) +
+            (!name                           ? ", which it does not declare"
+             : own == std::string_view::npos ? " (" + in_quotes(*name) + ")"
+                                             : " (" + in_quotes(name->substr(own + kCommon.size())) + ")") +
+            ", which is not known here",
+        "a 3MF of plain meshes, or the mesh as STL, OBJ or PLY");
+  }
+}
+
+/// Elements within an object that give it form and are of no extension that is read.
+constexpr std::array<std::string_view, 5> kForms{"beam", "ball", "boolean", "displacementmesh", "levelset"};
 
 std::uint32_t parse_vertex_number(const XmlTags& tags, std::string_view name) {
   const double value = tags.number(name);
@@ -90,7 +131,7 @@ class Reader {
   }
 
   void read_model(const std::string& part, bool root) {
-    const std::string text = archive_.read(part);
+    const std::string text = read_text(file_, archive_, part);
     package_.bytes += text.size();
     XmlTags tags(file_, text);
     Object* object = nullptr;
@@ -104,9 +145,11 @@ class Reader {
       if (tags.name() == "model") {
         model = true;
         whole = tags.closes();
-        if (root && tags.value("unit")) package_.unit = *tags.value("unit");
+        refuse_extensions(tags);
+        take_unit(tags, part, root);
       } else if (tags.name() == "object") {
         object = begin_object(tags, part);
+        if (tags.closes()) object = nullptr;
       } else if (tags.name() == "item" && root) {
         package_.items.push_back(parse_use(tags, part));
       } else if (object != nullptr) {
@@ -117,6 +160,18 @@ class Reader {
     }
     if (!model) throw tags.error("the part " + in_quotes(part) + " is no 3MF model", "an element 'model'");
     if (!whole) throw tags.error("the text ends within the model", "a complete file");
+  }
+
+  /// The model's unit is that of its own part. Parts that differ are brought to the unit of the first.
+  void take_unit(const XmlTags& tags, const std::string& part, bool root) {
+    const std::optional<std::string_view> stated = tags.value("unit");
+    if (root && stated) package_.unit = *stated;
+    scale_ = 1.0;
+    const std::string unit(stated.value_or(package_.unit));
+    if (root || unit == package_.unit) return;
+    scale_ = unit_of(file_, unit).millimetres / unit_of(file_, package_.unit).millimetres;
+    package_.warnings.push_back("the part " + in_quotes(part) + " is in the unit " + unit + ", the model in " +
+                                package_.unit + ": its coordinates are converted");
   }
 
   Object* begin_object(const XmlTags& tags, const std::string& part) {
@@ -130,12 +185,15 @@ class Reader {
 
   void add_to(Object& object, const XmlTags& tags, const std::string& part) {
     if (tags.name() == "vertex") {
-      object.vertices.emplace_back(tags.number("x"), tags.number("y"), tags.number("z"));
+      object.vertices.emplace_back(scale_ * Eigen::Vector3d(tags.number("x"), tags.number("y"), tags.number("z")));
     } else if (tags.name() == "triangle") {
       object.triangles.push_back(
           {parse_vertex_number(tags, "v1"), parse_vertex_number(tags, "v2"), parse_vertex_number(tags, "v3")});
     } else if (tags.name() == "component") {
       object.components.push_back(parse_use(tags, part));
+      object.components.back().place.topRightCorner<3, 1>() *= scale_;
+    } else if (std::find(kForms.begin(), kForms.end(), tags.name()) != kForms.end()) {
+      ++package_.unread[std::string(tags.name())];
     }
   }
 
@@ -144,6 +202,7 @@ class Reader {
   Package package_;
   std::set<std::string> seen_;
   std::deque<std::string> parts_;
+  double scale_ = 1.0;  ///< of the part's unit in the model's
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -35,8 +36,10 @@ struct Package {
   std::string unit = "millimeter";
   std::map<ObjectKey, Object> objects;
   std::vector<Use> items;
-  std::uint64_t bytes = 0;  ///< of the models' text
-  bool coloured = false;    ///< colours or materials are there
+  std::uint64_t bytes = 0;                                   ///< of the models' text
+  bool coloured = false;                                     ///< colours or materials are there
+  std::map<std::string, std::uint64_t, std::less<>> unread;  ///< elements within objects that would give them form
+  std::vector<std::string> warnings;
 };
 
 /// Reads the model that the package names, and those that it names in turn. Throws Error{input}.

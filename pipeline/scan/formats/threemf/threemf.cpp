@@ -9,6 +9,7 @@
 #include <Eigen/LU>
 
 #include "pipeline/scan/formats/threemf/model.h"
+#include "pipeline/scan/formats/threemf/unit.h"
 #include "pipeline/scan/text.h"
 
 namespace sparsha::pipeline {
@@ -18,22 +19,6 @@ using threemf::Object;
 using threemf::ObjectKey;
 using threemf::Package;
 using threemf::Use;
-
-/// What a number of the model is in a unit that scans have.
-struct Unit {
-  scene::LengthUnit unit;
-  double factor;
-};
-Unit unit_of(const ScanFile& file, const std::string& name) {
-  using enum scene::LengthUnit;
-  if (name == "millimeter") return {mm, 1.0};
-  if (name == "micron") return {mm, 0.001};
-  if (name == "centimeter") return {cm, 1.0};
-  if (name == "inch") return {mm, 25.4};
-  if (name == "foot") return {ft, 1.0};
-  if (name == "meter") return {m, 1.0};
-  throw file.error("the 3MF model's unit is " + in_quotes(name), "micron, millimeter, centimeter, inch, foot or meter");
-}
 
 /// Calls use(object, place) for each mesh that is built, wherever components put it.
 class Built {
@@ -45,6 +30,8 @@ class Built {
     for (const Use& item : items()) go(item, Eigen::Matrix4d::Identity(), 0, visit);
   }
   [[nodiscard]] std::uint64_t supports() const { return supports_; }
+  /// Objects without a mesh and components, as often as they are built.
+  [[nodiscard]] std::uint64_t bare() const { return bare_; }
 
  private:
   /// Where nothing is said to be built, what is no component.
@@ -80,13 +67,14 @@ class Built {
       return;
     }
     const Eigen::Matrix4d place = before * use.place;
+    bare_ += object.vertices.empty() && object.components.empty() ? 1 : 0;
     if (!object.vertices.empty()) visit(object, place);
     for (const Use& component : object.components) go(component, place, depth + 1, visit);
   }
 
   const ScanFile& file_;
   const Package& package_;
-  std::uint64_t supports_ = 0, uses_ = 0;
+  std::uint64_t supports_ = 0, bare_ = 0, uses_ = 0;
 };
 
 }  // namespace
@@ -101,7 +89,7 @@ bool is_3mf(const ScanFile& file) {
 
 void read_3mf(const ScanFile& file, ScanWriter& out) {
   const Package package = threemf::read_package(file, ZipArchive(file));
-  const Unit unit = unit_of(file, package.unit);
+  const threemf::Unit unit = threemf::unit_of(file, package.unit);
   RawScan& scan = out.scan();
   scan.format = "3MF";
   scan.unit = unit.unit;
@@ -141,6 +129,16 @@ void read_3mf(const ScanFile& file, ScanWriter& out) {
   scan.notes.push_back(
       fmt::format("3MF: {} meshes built of {} objects, unit {}", meshes, package.objects.size(), package.unit));
   if (built.supports() > 0) scan.warnings.push_back(fmt::format("{} supports are left out", built.supports()));
+  if (built.bare() > 0) {
+    scan.warnings.push_back(
+        built.bare() == 1
+            ? "an object that is built has neither a mesh nor components; left out"
+            : fmt::format("{} objects that are built have neither meshes nor components; left out", built.bare()));
+  }
+  scan.warnings.insert(scan.warnings.end(), package.warnings.begin(), package.warnings.end());
+  for (const auto& [what, count] : package.unread)
+    scan.warnings.push_back(
+        fmt::format("the {} elements '{}' of its objects, which extensions of 3MF add, are not read", count, what));
   if (package.coloured) scan.warnings.push_back("the colours and materials of its triangles are not read");
 }
 

@@ -77,7 +77,8 @@ void XmlTags::read_attributes(std::string_view tag) {
     if (stop == std::string_view::npos) throw error("an attribute has no value in quotes", "name=\"value\"");
     std::string_view name = tag.substr(0, equals);
     name = name.substr(0, name.find_last_not_of(kBlanks) + 1);
-    attributes_.emplace_back(without_prefix(name), tag.substr(begin + 1, stop - begin - 1));
+    const bool declares = name.starts_with("xmlns:");
+    (declares ? namespaces_ : attributes_).emplace_back(without_prefix(name), tag.substr(begin + 1, stop - begin - 1));
     tag.remove_prefix(stop + 1);
   }
 }
@@ -87,6 +88,13 @@ std::optional<std::string_view> XmlTags::value(std::string_view attribute) const
     if (name == attribute) return value;
   }
   return std::nullopt;
+}
+
+std::optional<std::string_view> XmlTags::namespace_of(std::string_view prefix) const {
+  const auto found = std::find_if(namespaces_.rbegin(), namespaces_.rend(),
+                                  [&](const auto& declared) { return declared.first == prefix; });
+  if (found == namespaces_.rend()) return std::nullopt;
+  return found->second;
 }
 
 double XmlTags::number(std::string_view attribute) const {

@@ -24,6 +24,8 @@ class XmlTags {
   [[nodiscard]] bool closes() const { return closes_; }
   /// Of a start tag.
   [[nodiscard]] std::optional<std::string_view> value(std::string_view attribute) const;
+  /// What the prefix stands for, by the last declaration so far.
+  [[nodiscard]] std::optional<std::string_view> namespace_of(std::string_view prefix) const;
   /// Throws Error{input} with the line when it is missing or no number.
   [[nodiscard]] double number(std::string_view attribute) const;
   [[nodiscard]] int line() const;
@@ -39,6 +41,7 @@ class XmlTags {
   std::string_view name_;
   bool opens_ = false, closes_ = false;
   std::vector<std::pair<std::string_view, std::string_view>> attributes_;
+  std::vector<std::pair<std::string_view, std::string_view>> namespaces_;  ///< by prefix
 };
 
 }  // namespace sparsha::pipeline

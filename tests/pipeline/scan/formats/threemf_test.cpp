@@ -121,6 +121,77 @@ TEST(ThreeMf, WithoutABuildWhatIsNoComponentIsTaken) {
   EXPECT_EQ(read_scan_bytes(package(text), "a.3mf").points.size(), 3U);
 }
 
+std::string with_extension(const std::string& name, const std::string& inside = "", const char* required = "e") {
+  std::string text = one_object();
+  text.replace(text.find("<model "), 7,
+               "<model requiredextensions='" + std::string(required) +
+                   "' xmlns:e='http://schemas.microsoft.com/3dmanufacturing/" + name + "' ");
+  text.insert(text.find("<mesh>"), inside);
+  return package(text);
+}
+
+TEST(ThreeMf, ExtensionsThatAreRequiredAndUnknownAreRefusedByName) {
+  for (const char* const name : {"slice/2015/07", "beamlattice/2017/02", "displacement/2022/07", "new/2031/01"})
+    expect_refused("a.3mf", with_extension(name), std::string("requires the extension 'e' ('") + name + "')");
+  expect_refused("a.3mf", with_extension("material/2015/02", "", "e  b"), "'b', which it does not declare");
+  for (const char* const name : {"material/2015/02", "production/2015/06", "trianglesets/2021/07"}) {
+    EXPECT_EQ(read_scan_bytes(with_extension(name), "a.3mf").points.size(), 3U) << name;
+    EXPECT_THAT(read_scan_bytes(with_extension(name), "a.3mf").warnings, ::testing::IsEmpty());
+  }
+  // What is not required may be left out, and is said.
+  const RawScan scan =
+      read_scan_bytes(with_extension("beamlattice/2017/02", "<e:beam v1='0' v2='1'/><e:beam/>", ""), "a.3mf");
+  EXPECT_EQ(scan.points.size(), 3U);
+  EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("the 2 elements 'beam' of its objects")));
+}
+
+TEST(ThreeMf, ObjectsWithoutFormAreSaidAndEnd) {
+  // What follows the object that closes itself is not its own.
+  const RawScan scan = read_scan_bytes(
+      package(model("<resources><object id='1'>" + kTriangle + "</object><object id='2'/>" + kTriangle +
+                    "<object id='3'></object></resources><build><item objectid='1'/><item objectid='2'/><item "
+                    "objectid='3'/></build>")),
+      "a.3mf");
+  EXPECT_EQ(scan.points.size(), 3U);
+  EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("2 objects that are built have neither meshes nor components")));
+}
+
+TEST(ThreeMf, PartsOfAnotherUnitAreConvertedToTheModels) {
+  const auto read = [](const std::string& unit_of_part) {
+    return read_scan_bytes(
+        zip({{"3D/3dmodel.model",
+              model("<resources><object id='2'><components><component p:path='/3D/a.model' objectid='9' "
+                    "transform='1 0 0 0 1 0 0 0 1 100 0 0'/></components></object></resources><build><item "
+                    "objectid='2'/></build>",
+                    "unit='centimeter'")},
+             {"3D/a.model",
+              model("<resources><object id='8'>" + kTriangle +
+                        "</object><object id='9'><components><component objectid='8' transform='1 0 0 0 1 0 0 0 1 0 7 "
+                        "0'/></components></object></resources>",
+                    unit_of_part)}}),
+        "a.3mf");
+  };
+  const RawScan inches = read("unit='inch'");
+  ASSERT_EQ(inches.points.size(), 3U);
+  EXPECT_EQ(inches.unit, scene::LengthUnit::cm);
+  EXPECT_LT((inches.points[0] - Eigen::Vector3d(100 + 2.54, 9 * 2.54, 3 * 2.54)).norm(), 1e-9);
+  EXPECT_THAT(inches.warnings, ElementsAre(HasSubstr("the part '3d/a.model' is in the unit inch, the model in "
+                                                     "centimeter: its coordinates are converted")));
+  for (const char* const same : {"", "unit='centimeter'"}) {
+    const RawScan scan = read(same);
+    EXPECT_EQ(scan.points.at(0), Eigen::Vector3d(101, 9, 3));
+    EXPECT_THAT(scan.warnings, ::testing::IsEmpty());
+  }
+}
+
+TEST(ThreeMf, TextInUtf16IsRefusedByName) {
+  for (const bool marked : {false, true}) {
+    std::string wide = marked ? "\xFF\xFE" : "";
+    for (const char c : one_object()) wide += std::string{c, '\0'};
+    expect_refused("a.3mf", package(wide), "the archive's part '3d/3dmodel.model' is text in UTF-16");
+  }
+}
+
 TEST(ThreeMf, APackageThatIsCutIsRefused) {
   for (const bool packs : {false, true}) {
     const std::string bytes = package(one_object(), packs);
@@ -136,6 +207,8 @@ TEST(ThreeMf, WhatLiesIsRefusedWithItsPlace) {
   expect_refused("a.3mf", package(one_object("<item objectid='9'/>")), "uses an object '9' that is not there");
   expect_refused("a.3mf", package(one_object("<item objectid='1' transform='1 0 0 0 1 0 0 0 1 0 0'/>")),
                  "line 4 of its model: a transform has no number 12");
+  expect_refused("a.3mf", package(one_object("<item objectid='1' transform='1 0 0 0 0 1 0 0 0 0 1 0 5 6 7 1'/>")),
+                 "a transform has more than twelve numbers");
   expect_refused("a.3mf", package(model("<build/>")), "builds no mesh");
   expect_refused("a.3mf", package("<html></html>"), "is no 3MF model");
   expect_refused("a.3mf", zip({{"other.xml", "<a/>"}}), "the archive has no part");
