@@ -1,7 +1,9 @@
 // Textures of PLY as MeshLab and photogrammetry programs write them: 'comment TextureFile NAME', coordinates from the
 // bottom left corner.
 #include <algorithm>
-#include <span>
+#include <array>
+#include <optional>
+#include <set>
 
 #include "pipeline/scan/formats/ply/ply.h"
 #include "pipeline/scan/text.h"
@@ -107,7 +109,8 @@ class Records {
 /// Where coordinates are: two properties of vertices, or a list of faces with two values a corner.
 struct Coordinates {
   int u = -1, v = -1;
-  int list = -1, indices = -1, number = -1;
+  int list = -1, indices = -1;
+  int number = -1;  ///< of the picture, of faces or vertices
 
   [[nodiscard]] bool any() const { return (u >= 0 && v >= 0) || (list >= 0 && indices >= 0); }
 };
@@ -123,73 +126,135 @@ Coordinates coordinates_of(const Element& element) {
                                std::pair("texture_s", "texture_t"), std::pair("tx", "ty")}) {
       found.u = element.find({u});
       found.v = element.find({v});
-      if (found.u >= 0 && found.v >= 0 && !is_list(found.u) && !is_list(found.v)) return found;
+      if (found.u >= 0 && found.v >= 0 && !is_list(found.u) && !is_list(found.v)) break;
+      found.u = found.v = -1;
     }
-    found.u = found.v = -1;
   } else if (role == Role::face) {
     found.list = element.find({"texcoord", "texcoords", "texture_coordinates"});
     if (!is_list(found.list)) found.list = -1;
     found.indices = index_list(element);
-    found.number = element.find({"texnumber", "tex_number"});
-    if (is_list(found.number)) found.number = -1;
   }
+  found.number = element.find({"texnumber", "tex_number"});
+  if (is_list(found.number)) found.number = -1;
   return found;
 }
 
-void lay_face(const Record& record, const Coordinates& at, std::span<const std::uint32_t> pictures,
-              std::uint64_t vertices, Paint& paint) {
-  const std::size_t corners = record.length(at.indices);
-  const double picture = at.number >= 0 ? record.scalar(at.number) : 0.0;
-  if (record.length(at.list) < 2 * corners || !(picture >= 0.0) || picture >= static_cast<double>(pictures.size()))
-    return;
-  for (std::size_t k = 0; k < corners; ++k) {
-    const double vertex = record.item(at.indices, k);
-    if (!(vertex >= 0.0) || vertex >= static_cast<double>(vertices)) continue;
-    paint.lay(static_cast<std::uint64_t>(vertex), pictures[static_cast<std::size_t>(picture)],
-              record.item(at.list, 2 * k), record.item(at.list, 2 * k + 1));
-  }
-}
-
-/// False where the file ends within the element.
-bool lay(const ScanFile& file, Records& records, const Element& element, std::span<const std::uint32_t> pictures,
-         std::uint64_t vertices, Paint& paint) {
-  const Coordinates at = coordinates_of(element);
-  if (!at.any()) return records.skip(element);
-  Record record;
-  for (std::uint64_t k = 0; k < element.count; ++k) {
-    if (!records.next(element, record)) return false;
-    if (at.u >= 0) {
-      paint.lay(k, pictures[0], record.scalar(at.u), record.scalar(at.v));
-    } else {
-      lay_face(record, at, pictures, vertices, paint);
+/// Lays what elements say of places on the pictures, which are at least one.
+class Layer {
+ public:
+  Layer(const ScanFile& file, const Header& header, Paint& paint) : file_(file), paint_(paint) {
+    for (const std::string& name : header.textures) pictures_.push_back(paint.picture(name));
+    bool vertices = false;
+    for (const Element& element : header.elements) {
+      const Coordinates at = coordinates_of(element);
+      if (role_of(element) == Role::vertex) {
+        vertices = true;
+        vertices_ = element.count;
+        vertices_tell_picture_ = at.any() && at.number >= 0;
+      } else if (element.count > 0 && vertices) {
+        faces_tell_picture_ = faces_tell_picture_ || (at.indices >= 0 && at.number >= 0);
+      }
     }
-    if ((k & 0xFFFFU) == 0) file.throw_if_cancelled();
   }
-  return true;
-}
+
+  /// False where the file ends within the element.
+  bool lay(Records& records, const Element& element) {
+    const Coordinates at = coordinates_of(element);
+    const bool face = role_of(element) == Role::face;
+    // Coordinates of vertices whose pictures only the faces know wait for these.
+    const bool waits = at.u >= 0 && pictures_.size() > 1 && faces_tell_picture_ && !vertices_tell_picture_;
+    const bool of_vertices = face && at.list < 0 && at.number >= 0 && !waiting_.empty();
+    if (!at.any() && !of_vertices) return records.skip(element);
+    Record record;
+    for (std::uint64_t k = 0; k < element.count; ++k) {
+      if (!records.next(element, record)) return false;
+      if (waits) {
+        waiting_.push_back({static_cast<float>(record.scalar(at.u)), static_cast<float>(record.scalar(at.v))});
+      } else if (at.u >= 0) {
+        if (const std::optional<std::uint32_t> picture = picture_of(record, at))
+          paint_.lay(k, *picture, record.scalar(at.u), record.scalar(at.v));
+      } else {
+        lay_face(record, at);
+      }
+      if ((k & 0xFFFFU) == 0) file_.throw_if_cancelled();
+    }
+    return true;
+  }
+
+  void warn(RawScan& scan) const {
+    const std::set<std::uint32_t> pictures(pictures_.begin(), pictures_.end());
+    if (guessed_ > 0 && pictures.size() > 1) {
+      scan.warnings.push_back(std::to_string(pictures.size()) +
+                              " textures are named, and no property 'texnumber' says which of them lies where: the "
+                              "first is taken for all");
+    }
+    if (beyond_ > 0) {
+      scan.warnings.push_back(std::to_string(beyond_) + (beyond_ == 1 ? " 'texnumber' names" : " 'texnumber's name") +
+                              " textures that the header does not: colours are missing");
+    }
+  }
+
+ private:
+  /// Nothing for -1, which stands for none, and for one that is not there.
+  std::optional<std::uint32_t> picture_of(const Record& record, const Coordinates& at) {
+    if (at.number < 0) {
+      ++guessed_;
+      return pictures_[0];
+    }
+    const double number = record.scalar(at.number);
+    if (!(number >= 0.0)) return std::nullopt;
+    if (number >= static_cast<double>(pictures_.size())) {
+      ++beyond_;
+      return std::nullopt;
+    }
+    return pictures_[static_cast<std::size_t>(number)];
+  }
+
+  void lay_face(const Record& record, const Coordinates& at) {
+    const std::size_t corners = record.length(at.indices);
+    if (at.list >= 0 && record.length(at.list) < 2 * corners) return;
+    const std::optional<std::uint32_t> picture = picture_of(record, at);
+    if (!picture) return;
+    for (std::size_t k = 0; k < corners; ++k) {
+      const double vertex = record.item(at.indices, k);
+      if (!(vertex >= 0.0) || vertex >= static_cast<double>(vertices_)) continue;
+      const auto n = static_cast<std::uint64_t>(vertex);
+      if (at.list >= 0) {
+        paint_.lay(n, *picture, record.item(at.list, 2 * k), record.item(at.list, 2 * k + 1));
+      } else if (n < waiting_.size()) {
+        const std::array<float, 2>& place = waiting_[static_cast<std::size_t>(n)];
+        paint_.lay(n, *picture, static_cast<double>(place[0]), static_cast<double>(place[1]));
+      }
+    }
+  }
+
+  const ScanFile& file_;
+  Paint& paint_;
+  std::vector<std::uint32_t> pictures_;
+  std::uint64_t vertices_ = 0;
+  bool vertices_tell_picture_ = false, faces_tell_picture_ = false;
+  std::vector<std::array<float, 2>> waiting_;  ///< coordinates of vertices
+  std::uint64_t guessed_ = 0, beyond_ = 0;
+};
 
 }  // namespace
 
 Paint paint_of(const ScanFile& file, const Header& header, ScanWriter& out) {
   Paint paint;
-  std::uint64_t vertices = 0;
   bool any = false;
-  for (const Element& element : header.elements) {
-    if (role_of(element) == Role::vertex) vertices = element.count;
-    any = any || (element.count > 0 && coordinates_of(element).any());
-  }
+  for (const Element& element : header.elements) any = any || (element.count > 0 && coordinates_of(element).any());
   if (header.textures.empty()) return paint;
   if (!any) {
     out.scan().warnings.emplace_back(
         "a texture is named, and neither vertices nor faces have coordinates on it: its colours are missing");
     return paint;
   }
-  std::vector<std::uint32_t> pictures;
-  for (const std::string& name : header.textures) pictures.push_back(paint.picture(name));
   Records records(file, header);
+  Layer layer(file, header, paint);
   for (const Element& element : header.elements) {
-    if (!element.properties.empty() && !lay(file, records, element, pictures, vertices, paint)) break;
+    if (!element.properties.empty() && !layer.lay(records, element)) break;
   }
+  layer.warn(out.scan());
   paint.dry(file, out.scan().warnings);
   return paint;
 }

@@ -300,9 +300,10 @@ TEST(PlyTexture, BecomesTheColourOfVertices) {
     EXPECT_THAT(by_faces.warnings, IsEmpty());
     EXPECT_EQ(by_faces.fields.back(), "blue");
     EXPECT_THAT(by_faces.notes, ElementsAre("PLY: texture none.png", "PLY: texture a.png"));
-    // Coordinates of vertices lie on the first picture, which is not there.
+    // Coordinates of vertices lie on the first picture, which is not there, where nothing says on which they lie.
     std::string by_vertices = ply_of(ascii, false);
-    EXPECT_THAT(folder.read("a.ply", by_vertices).warnings, ElementsAre(HasSubstr("none.png")));
+    EXPECT_THAT(folder.read("a.ply", by_vertices).warnings,
+                ElementsAre(HasSubstr("the first is taken for all"), HasSubstr("none.png")));
     by_vertices.erase(by_vertices.find("comment TextureFile none.png\n"), 29);
     EXPECT_THAT(folder.read("a.ply", by_vertices).rgba, ElementsAre(kBlue, kWhite, kGreen, kRed)) << ascii;
     // Cut short anywhere: an error of the body, whatever the coordinates.
