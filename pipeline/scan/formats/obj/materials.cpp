@@ -1,18 +1,20 @@
 // Wavefront's MTL: http://paulbourke.net/dataformats/mtl/, with what files in use make of it.
 #include "pipeline/scan/formats/obj/materials.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <map>
 #include <optional>
+#include <set>
+
+#include <fmt/format.h>
 
 #include "base/error.h"
 #include "pipeline/scan/formats/obj/statements.h"
 
 namespace sparsha::pipeline::obj {
 namespace {
-
-constexpr std::size_t kHead = 1 << 16;
 
 /// A picture as a material lays it: place = offset + scale * coordinate.
 struct Map {
@@ -26,6 +28,26 @@ std::string rest_of(std::string_view statement) {
   const std::size_t begin = statement.find_first_not_of(" \t");
   if (begin == std::string_view::npos) return "";
   return std::string(statement.substr(begin, statement.find_last_not_of(" \t\r") - begin + 1));
+}
+
+/// A name as far as a remark behind it. What has '#' in its midst stays whole.
+std::string without_remark(const std::string& name) {
+  std::size_t at = name.find('#');
+  while (at != std::string::npos && at > 0 && !is_blank(name[at - 1])) at = name.find('#', at + 1);
+  if (at == std::string::npos) return name;
+  const std::size_t end = at == 0 ? std::string::npos : name.find_last_not_of(" \t", at - 1);
+  return end == std::string::npos ? "" : name.substr(0, end + 1);
+}
+
+/// Null where it is not beside the scan.
+std::unique_ptr<MappedFile> open_if_there(const ScanFile& file, const std::string& name) {
+  try {
+    return name.empty() ? nullptr : open_beside(file, name);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error&) {
+    return nullptr;
+  }
 }
 
 bool is_number(std::string_view word, double& value) {
@@ -45,7 +67,7 @@ void take_numbers(std::string_view& rest, std::array<double, 2>& values) {
 }
 
 /// "-s 2 2 -clamp on a picture.jpg".
-std::optional<Map> map_of(std::string_view statement, Paint& paint) {
+std::optional<Map> map_of(const ScanFile& file, std::string_view statement, Paint& paint) {
   static const std::map<std::string_view, int> kOptions{{"-blendu", 1}, {"-blendv", 1}, {"-boost", 1},   {"-bm", 1},
                                                         {"-cc", 1},     {"-clamp", 1},  {"-imfchan", 1}, {"-mm", 2},
                                                         {"-texres", 1}, {"-type", 1}};
@@ -65,7 +87,8 @@ std::optional<Map> map_of(std::string_view statement, Paint& paint) {
       if (take_word(ahead) == "on" && word == "-clamp") wrap = Wrap::clamp;
     }
   }
-  const std::string name = rest_of("map " + std::string(statement));
+  std::string name = rest_of("map " + std::string(statement));
+  if (const std::string bare = without_remark(name); bare != name && open_if_there(file, name) == nullptr) name = bare;
   if (name.empty()) return std::nullopt;
   map.picture = paint.picture(name, wrap);
   return map;
@@ -91,26 +114,88 @@ class Painter {
     }
     out_.expect_mesh(vertices_, triangles_);
     coordinates_ = {};
+    if (!unknown_.empty()) {
+      out_.scan().warnings.push_back(fmt::format(
+          "{} that the libraries do not have, {} first: their colours are missing",
+          unknown_.size() == 1 ? "faces use 1 material" : fmt::format("faces use {} materials", unknown_.size()),
+          in_quotes(*unknown_.begin())));
+    }
     paint_.dry(file_, out_.scan().warnings);
     return std::move(paint_);
   }
 
  private:
-  /// Libraries are named before the first vertex, as all programs have it.
+  /// Libraries are named before the first vertex by most programs, and anywhere by some.
   void read_libraries() {
-    Statements statements(file_.bytes.substr(0, kHead));
-    std::string_view statement;
-    while (statements.next(statement) && !is_vertex(statement)) {
-      if (!begins_with(statement, "mtllib")) continue;
-      const std::string name = rest_of(statement);
-      try {
-        const std::unique_ptr<MappedFile> library = open_beside(file_, name);
-        read_library(library->text());
-      } catch (const Cancelled&) {
-        throw;
-      } catch (const Error& error) {
-        out_.scan().notes.push_back("OBJ: materials are not read: " + error.wrong());
+    constexpr std::string_view kKeyword = "mtllib";
+    constexpr std::size_t kStep = 1U << 22U, kLongest = 1U << 16U;
+    const std::string_view text = file_.bytes;
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t found = text.substr(0, at + kStep).find(kKeyword, at);
+      if (found == std::string_view::npos) {
+        at += std::min(kStep - kKeyword.size(), text.size() - at);
+        file_.done_before(at);
+        continue;
       }
+      at = found + kKeyword.size();
+      // It may stand in a remark or a name.
+      const std::size_t before = text.substr(0, found).find_last_not_of(" \t");
+      if (before != std::string_view::npos && text[before] != '\n' && text[before] != '\r') continue;
+      Statements statements(text.substr(found, kLongest));
+      std::string_view statement;
+      if (statements.next(statement) && begins_with(statement, kKeyword)) read_named(rest_of(statement));
+    }
+  }
+
+  /// One name, which may have blanks, or several; where words go together, the longest name of a file counts.
+  void read_named(const std::string& names) {
+    constexpr std::size_t kMostNames = 64;
+    if (read_file(names)) return;
+    const std::string bare = without_remark(names);
+    if (bare != names && read_file(bare)) return;
+    std::vector<std::size_t> begins, ends;
+    for (std::size_t begin = bare.find_first_not_of(" \t"); begin != std::string::npos && begins.size() < kMostNames;) {
+      const std::size_t end = std::min(bare.find_first_of(" \t", begin), bare.size());
+      begins.push_back(begin);
+      ends.push_back(end);
+      begin = bare.find_first_not_of(" \t", end);
+    }
+    std::size_t read = 0;
+    std::string missing;
+    for (std::size_t first = 0; first < begins.size();) {
+      std::size_t last = begins.size();
+      while (last > first && !read_file(bare.substr(begins[first], ends[last - 1] - begins[first]))) --last;
+      if (last == first) {
+        missing += (missing.empty() ? "" : " ") + bare.substr(begins[first], ends[first] - begins[first]);
+        last = first + 1;
+      } else {
+        ++read;
+      }
+      first = last;
+    }
+    const std::string& said = read == 0 ? bare : missing;
+    if (!said.empty()) note_missing(said);
+  }
+
+  /// False when it cannot be read.
+  bool read_file(const std::string& name) {
+    if (read_.contains(name)) return true;
+    const std::unique_ptr<MappedFile> library = open_if_there(file_, name);
+    if (library == nullptr) return false;
+    read_.insert(name);
+    read_library(library->text());
+    return true;
+  }
+
+  void note_missing(const std::string& name) {
+    constexpr std::size_t kMostNotes = 8;
+    if (++missing_ > kMostNotes) return;
+    try {
+      (void)open_beside(file_, name);
+    } catch (const Cancelled&) {
+      throw;
+    } catch (const Error& error) {
+      out_.scan().notes.push_back("OBJ: materials are not read: " + error.wrong());
     }
   }
 
@@ -122,9 +207,14 @@ class Painter {
     while (statements.next(statement)) {
       if (begins_with(statement, "newmtl")) {
         material = rest_of(statement);
+        materials_.insert(material);
+        materials_.insert(without_remark(material));
       } else if (begins_with(statement, "map_Kd") || begins_with(statement, "map_kd")) {
         if (maps_.size() == kMostMaterials) throw file_.error("too many materials", "fewer");
-        if (const std::optional<Map> map = map_of(statement, paint_)) maps_.insert_or_assign(material, *map);
+        const std::optional<Map> map = map_of(file_, statement, paint_);
+        if (!map) continue;
+        maps_.insert_or_assign(material, *map);
+        maps_.try_emplace(without_remark(material), *map);
       }
     }
   }
@@ -138,7 +228,10 @@ class Painter {
       take_numbers(rest, place);
       coordinates_.push_back({static_cast<float>(place[0]), static_cast<float>(place[1])});
     } else if (begins_with(statement, "usemtl")) {
-      const auto found = maps_.find(rest_of(statement));
+      std::string name = rest_of(statement);
+      if (!materials_.contains(name)) name = without_remark(name);
+      if (!materials_.contains(name) && !name.empty()) unknown_.insert(name);
+      const auto found = maps_.find(name);
       map_ = found == maps_.end() ? nullptr : &found->second;
     } else if (const std::size_t keyword = face_keyword(statement); keyword > 0) {
       face(statement.substr(keyword));
@@ -173,6 +266,10 @@ class Painter {
   const ScanFile& file_;
   ScanWriter& out_;
   Paint paint_;
+  std::set<std::string> read_;       ///< libraries
+  std::uint64_t missing_ = 0;        ///< of them
+  std::set<std::string> materials_;  ///< of the libraries, with a picture or without
+  std::set<std::string> unknown_;    ///< materials that no library has
   std::map<std::string, Map> maps_;
   const Map* map_ = nullptr;
   std::vector<std::array<float, 2>> coordinates_;

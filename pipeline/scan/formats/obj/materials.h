@@ -7,8 +7,8 @@
 
 namespace sparsha::pipeline::obj {
 
-/// Goes through the whole text when a library has a picture of diffuse colour (map_Kd) that the text uses, else through
-/// its beginning alone. What cannot be read is said in the scan's warnings, a library that is not there in its notes.
+/// Looks for the names of libraries, and goes through the whole text when one has a picture of diffuse colour (map_Kd).
+/// What cannot be read is said in the scan's warnings, a library that is not there in its notes.
 [[nodiscard]] Paint paint_of(const ScanFile& file, ScanWriter& out);
 
 }  // namespace sparsha::pipeline::obj

@@ -256,6 +256,45 @@ TEST(ObjTexture, BecomesTheColourOfVertices) {
   EXPECT_THAT(both.rgba, ElementsAre(pack_rgba(128, 0, 0), kRed, kGreen));
 }
 
+TEST(ObjTexture, LibrariesAreAListAndMayBeNamedAnywhere) {
+  const testing::ScanFolder folder;
+  (void)folder.write("red.png", png_of(1, 1, {255, 0, 0}));
+  (void)folder.write("blue.png", png_of(1, 1, {0, 0, 255}));
+  (void)folder.write("m1.mtl", "newmtl A\nmap_Kd red.png # warm\n");
+  (void)folder.write("m 2.mtl", "newmtl B # cold\nmap_Kd blue.png\nnewmtl C\nKd 1 1 1\n");
+  const auto read = [&](const std::string& before, const std::string& behind, const char* first = "A",
+                        const char* second = "B") {
+    return folder.read("a.obj", before + "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\nvt 0.5 0.5\n" + behind +
+                                    "usemtl " + first + "\nf 1/1 2/1 3/1\nusemtl " + second + "\nf 4/1 5/1 6/1\n");
+  };
+  const auto both = ElementsAre(kRed, kRed, kRed, kBlue, kBlue, kBlue);
+  for (const char* const line : {"mtllib m1.mtl m 2.mtl\n", "mtllib m 2.mtl\tm1.mtl # both\n",
+                                 "mtllib m1.mtl\nmtllib m 2.mtl\n", "  mtllib m1.mtl none.mtl m 2.mtl\n"}) {
+    for (const bool late : {false, true}) {
+      const RawScan scan = read(late ? "" : line, late ? line : "");
+      EXPECT_THAT(scan.rgba, both) << line << late;
+      EXPECT_THAT(scan.warnings, IsEmpty());
+      EXPECT_EQ(scan.notes.size(), std::string_view(line).find("none") == std::string_view::npos ? 0U : 1U);
+    }
+  }
+  // A name behind a long text, across the parts in which it is looked for.
+  for (std::size_t k = 0; k < 12; ++k) {
+    const std::string remarks = "#" + std::string((std::size_t{1} << 22) - 8 + k, 'm') + "\n";
+    EXPECT_THAT(read(remarks, "mtllib m1.mtl m 2.mtl\n").rgba, both) << k;
+    EXPECT_THAT(read(remarks + "mtllib m1.mtl m 2.mtl\n", "").rgba, both) << k;
+  }
+  EXPECT_THAT(read("# mtllib m1.mtl\no mtllib m1.mtl\n", "").rgba, IsEmpty());
+  // Remarks behind names, unless a material has that very name.
+  EXPECT_THAT(read("mtllib m1.mtl m 2.mtl\n", "", "A # red", "B\t# blue").rgba, both);
+  (void)folder.write("m1.mtl", "newmtl A\nmap_Kd red.png\nnewmtl A # red\nmap_Kd blue.png\n");
+  EXPECT_THAT(read("mtllib m1.mtl m 2.mtl\n", "", "A", "A # red").rgba, both);
+  const RawScan unknown = read("mtllib m1.mtl m 2.mtl\n", "", "A", "D");
+  EXPECT_THAT(unknown.rgba, ElementsAre(kRed, kRed, kRed, kNoColour, kNoColour, kNoColour));
+  EXPECT_THAT(unknown.warnings,
+              ElementsAre(HasSubstr("faces use 1 material that the libraries do not have, 'D' first")));
+  EXPECT_THAT(read("mtllib m1.mtl m 2.mtl\n", "", "A", "C").warnings, IsEmpty());
+}
+
 std::string ply_of(bool ascii, bool of_faces) {
   std::string bytes = "ply\nformat " + std::string(ascii ? "ascii" : "binary_big_endian") +
                       " 1.0\ncomment TextureFile none.png\ncomment TextureFile a.png\nelement vertex 4\n"
