@@ -40,7 +40,7 @@ void require_affine(const Document& document, const Eigen::Matrix4d& matrix, con
 Eigen::Matrix4d local_place(const Document& document, const Json& node, const Place& place) {
   std::array<double, 16> matrix{};
   if (read_numbers(document, node, "matrix", place, matrix)) {
-    const Eigen::Matrix4d by_columns = Eigen::Map<Eigen::Matrix4d>(matrix.data());
+    Eigen::Matrix4d by_columns = Eigen::Map<Eigen::Matrix4d>(matrix.data());
     require_affine(document, by_columns, place);
     return by_columns;
   }
