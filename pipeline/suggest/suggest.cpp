@@ -21,6 +21,7 @@
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/pieces.h"
 #include "pipeline/scan/reader.h"
+#include "pipeline/scan/repeated.h"
 #include "pipeline/scan/statistics.h"
 #include "pipeline/scan/straight.h"
 #include "pipeline/scan/units.h"
@@ -302,6 +303,15 @@ Ways try_ways(const SeenScans& seen, TrialCloud& points, const std::optional<Eig
   return std::move(taken);
 }
 
+/// The files without those of the same bytes: a build takes each once, and so does the guess.
+std::vector<fs::path> files_once(const std::vector<fs::path>& files, Progress& progress) {
+  std::vector<scene::ScanConfig> scans;
+  for (const fs::path& file : files) scans.emplace_back().file = file;
+  std::vector<fs::path> once;
+  for (scene::ScanConfig& scan : without_repeats(scans, progress)) once.push_back(std::move(scan.file));
+  return once;
+}
+
 }  // namespace
 
 Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& folder, Progress& progress,
@@ -312,7 +322,8 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   std::vector<std::string> pieces;
   WorthBlock worth;
   ScanNames names;
-  const std::string scan_block = look_at(scans, folder, names, seen, points, pieces, worth, options, progress);
+  const std::string scan_block =
+      look_at(files_once(scans, progress), folder, names, seen, points, pieces, worth, options, progress);
   require_extent(names.files[names.farthest], seen.points_m);
   require_surface(names.all(), names.files.size(), seen.points_m, seen.points_m.size());
   const std::string crop = crop_to_group(seen, points, progress);

@@ -394,6 +394,17 @@ TEST_F(Suggested, TheOrderOfThePointsDoesNotMatter) {
   EXPECT_EQ(suggest_config({write(points)}, {}, progress).yaml, once);
 }
 
+TEST_F(Suggested, AFileThatIsGivenTwiceIsGuessedOnAndListedOnce) {
+  const fs::path file = write(relief(20000, 0.0005));
+  fs::copy_file(file, folder_ / "copy.xyz");
+  Progress once, twice;
+  const std::string alone = suggest_config({file}, {}, once).yaml;
+  EXPECT_TRUE(once.warnings().empty());
+  EXPECT_EQ(suggest_config({file, file, folder_ / "copy.xyz"}, {}, twice).yaml, alone);
+  ASSERT_EQ(twice.warnings().size(), 1U);
+  EXPECT_NE(twice.warnings().front().find("the same scan is listed 3 times"), std::string::npos);
+}
+
 TEST(MainGroup, IsTheLargestOfGroupsFarApartAndNothingWhereTheyAreNear) {
   Points points;
   for (int n = 0; n < 1000; ++n) points.emplace_back(0.001 * n, 0.001 * (n % 7), 0.0);
