@@ -146,11 +146,25 @@ std::uint64_t look_of(const Frame& frame) {
   return look.value();
 }
 
+namespace {
+
+/// In proportion to the window, but for letters of 11 pixels where there is room for those: smaller ones are hard to
+/// read. An exhibit has words for one look from afar alone.
+double scale_of(int width, int height, const ViewSettings& settings) {
+  constexpr double kReadable = 0.85, kLeast = 0.6, kMost = 4.0;
+  const double proportional = std::min(width / 1280.0, height / 720.0);
+  const double room = kReadable * std::min(width / 800.0, height / 600.0);
+  const double readable = settings.kiosk ? 0.0 : std::min(kReadable, room);
+  return std::clamp(std::max(proportional, readable), kLeast, kMost) * (settings.large_type ? 1.3 : 1.0);
+}
+
+}  // namespace
+
 Layout layout_of(int width, int height, const ViewSettings& settings) {
   Layout layout;
   width = std::max(width, 64);
   height = std::max(height, 64);
-  layout.scale = std::clamp(std::min(width / 1280.0, height / 720.0), 0.6, 4.0) * (settings.large_type ? 1.3 : 1.0);
+  layout.scale = scale_of(width, height, settings);
   const auto px = [&](double value) { return static_cast<int>(std::lround(value * layout.scale)); };
   if (settings.kiosk) {
     layout.detail = {0, 0, width, std::max(height - px(110), 32)};

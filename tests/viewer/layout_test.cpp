@@ -86,6 +86,32 @@ TEST(Layout, NoWordsOverlapAtAnySizeWithOrWithoutLargeType) {
   EXPECT_TRUE(studio.gl_errors().empty()) << studio.gl_errors().front();
 }
 
+TEST(Layout, LettersAreOfElevenPixelsOrMoreInAWindowOf800By600OrLarger) {
+  constexpr double kSmallType = 13.0;  // pixels at scale 1
+  for (const auto& [width, height] : kSizes) {
+    if (width < 800 || height < 600) continue;
+    for (const bool large : {false, true}) {
+      ViewSettings settings;
+      settings.large_type = large;
+      const Layout layout = layout_of(width, height, settings);
+      EXPECT_GE(std::round(kSmallType * layout.scale), large ? 14.0 : 11.0) << width << " x " << height;
+      EXPECT_LE(layout.panel.width, width / 2) << width << " x " << height;
+    }
+  }
+}
+
+TEST(Layout, ButtonsKeepTheirWholeLabelsInAWindowOf800By600) {
+  Studio studio(scene_of(lotus, {101, 101, 0.004, 3}), {}, {});
+  studio.shoot(touching(*studio.picture().scene(), 0.2, 0.2, 0.01, 0.2, 0.2), 800, 600);
+  const std::vector<DrawnText>& texts = studio.gui().texts();
+  const std::vector<Action> buttons = studio.controller().buttons();
+  ASSERT_GT(buttons.size(), 8U);
+  for (const Action action : buttons) {
+    const std::string label = info_of(action).label;
+    EXPECT_TRUE(std::ranges::any_of(texts, [&](const DrawnText& text) { return text.words == label; })) << label;
+  }
+}
+
 TEST(Layout, NoWordsOfAnExhibitOverlapAtAnySize) {
   haptics::AnnouncementBoard board;
   Connections connections;

@@ -398,19 +398,25 @@ void draw_cloud_help(const Brush& brush, int width, int height) {
   const float left = 0.5F * (w - card_w), top = 0.5F * (h - card_h), margin = brush.px(28.0F);
   brush.card(left, top, card_w, card_h, (brush.theme.panel & ~IM_COL32_A_MASK) | IM_COL32(0, 0, 0, 246),
              brush.px(16.0F));
-  brush.text(brush.fonts.large, left + margin, top + brush.px(18.0F), brush.theme.text,
-             "Turn the object until its front looks at you, then scan");
+  const float room = card_w - 2.0F * margin;
+  const std::string title = "Turn the object until its front looks at you, then scan";
+  const std::string mouse =
+      "Mouse: left drag = turn, both buttons = roll, right drag = move, wheel = closer. Tab goes to the panel, Esc "
+      "comes "
+      "back.";
+  const ImFont* font = brush.fitting(brush.fonts.large, title, room);
+  brush.text(font, left + margin, top + brush.px(18.0F), brush.theme.text, brush.elided(font, title, room));
   brush.text(brush.fonts.small, left + margin, top + brush.px(56.0F), brush.theme.dim,
-             "Mouse: left drag = turn, both buttons = roll, right drag = move, wheel = closer. Tab goes to the panel, "
-             "Esc comes back.");
+             brush.elided(brush.fonts.small, mouse, room));
   const auto rows = (all_cloud_actions().size() + 1) / 2;
   const float row = (card_h - brush.px(96.0F)) / static_cast<float>(rows);
   std::size_t n = 0;
   for (const CloudActionInfo& info : all_cloud_actions()) {
-    const float x = left + margin + (n < rows ? 0.0F : 0.5F * (card_w - 2.0F * margin));
+    const float x = left + margin + (n < rows ? 0.0F : 0.5F * room);
     const float y = top + brush.px(84.0F) + row * static_cast<float>(n % rows);
     brush.key_cap(x, y, info.keys);
-    brush.text(brush.fonts.small, x + brush.px(84.0F), y + brush.px(2.0F), brush.theme.text, info.what);
+    brush.text(brush.fonts.small, x + brush.px(84.0F), y + brush.px(2.0F), brush.theme.text,
+               brush.elided(brush.fonts.small, info.what, 0.5F * room - brush.px(92.0F)));
     ++n;
   }
 }

@@ -92,7 +92,7 @@ std::vector<Clickable> draw_buttons(const Brush& brush, const Frame& frame, cons
   const ImFont* font = kiosk ? brush.fonts.strong : brush.fonts.small;
   const float room = static_cast<float>(layout.bar.width) - brush.px(16.0F);
   float gap = brush.px(kiosk ? 12.0F : 5.0F), pad = brush.px(kiosk ? 36.0F : 14.0F);
-  // One row: without the keys' names where it is narrow, and at last with shorter labels.
+  // Without the keys' names where it is narrow, then in two rows, and at last with shorter labels.
   bool caps = !kiosk;
   std::vector<float> widths;
   float total = 0.0F;
@@ -117,16 +117,27 @@ std::vector<Clickable> draw_buttons(const Brush& brush, const Frame& frame, cons
     pad = brush.px(6.0F);
     measure();
   }
-  const float shrink = std::min(1.0F, room / std::max(total, 1.0F));
-  const float height = std::min(button_height(brush, kiosk), static_cast<float>(layout.bar.height));
-  float x = static_cast<float>(layout.bar.x) + 0.5F * (static_cast<float>(layout.bar.width) - shrink * total);
-  const float y = static_cast<float>(layout.bar.y) + 0.5F * (static_cast<float>(layout.bar.height) - height);
-  for (std::size_t k = 0; k < buttons.size(); ++k) {
-    const float width = shrink * widths[k];
-    const Rect rect{static_cast<int>(x), static_cast<int>(y), static_cast<int>(width), static_cast<int>(height)};
-    boxes.push_back({rect, Clickable::Does::action, buttons[k]});
-    draw_button(brush, frame, rect, info_of(buttons[k]), caps, frame.focused == static_cast<int>(k));
-    x += width + shrink * gap;
+  // Two low rows rather than labels cut short.
+  const float bar_height = static_cast<float>(layout.bar.height), between = brush.px(3.0F);
+  const bool two = total > room && !kiosk && buttons.size() > 1 &&
+                   0.5F * (bar_height - 3.0F * between) >= font->FontSize + brush.px(4.0F);
+  const std::size_t a_row = two ? (buttons.size() + 1) / 2 : buttons.size();
+  const float height = two ? 0.5F * (bar_height - 3.0F * between) : std::min(button_height(brush, kiosk), bar_height);
+  float y = static_cast<float>(layout.bar.y) + (two ? between : 0.5F * (bar_height - height));
+  for (std::size_t first = 0; first < buttons.size(); first += a_row) {
+    const std::size_t end = std::min(first + a_row, buttons.size());
+    float wide = -gap;
+    for (std::size_t k = first; k < end; ++k) wide += widths[k] + gap;
+    const float shrink = std::min(1.0F, room / std::max(wide, 1.0F));
+    float x = static_cast<float>(layout.bar.x) + 0.5F * (static_cast<float>(layout.bar.width) - shrink * wide);
+    for (std::size_t k = first; k < end; ++k) {
+      const float width = shrink * widths[k];
+      const Rect rect{static_cast<int>(x), static_cast<int>(y), static_cast<int>(width), static_cast<int>(height)};
+      boxes.push_back({rect, Clickable::Does::action, buttons[k]});
+      draw_button(brush, frame, rect, info_of(buttons[k]), caps, frame.focused == static_cast<int>(k));
+      x += width + shrink * gap;
+    }
+    y += height + between;
   }
   return boxes;
 }

@@ -1,5 +1,7 @@
 #include "viewer/window/glfw_window.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <string>
 
@@ -23,7 +25,32 @@ Error no_window(const std::string& why) {
                "a display with OpenGL 3.3, or --headless with --screenshot");
 }
 
+/// A window larger than the screen would be cut where no window manager makes it smaller.
+void fit_to_monitor(WindowHandle& window) {
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  if (monitor == nullptr) return;
+  Rect area;
+  std::array<int, 4> frame{};
+  glfwGetMonitorWorkarea(monitor, &area.x, &area.y, &area.width, &area.height);
+  glfwGetWindowFrameSize(window.handle, &frame[0], &frame[1], &frame[2], &frame[3]);
+  int width = 0, height = 0;
+  glfwGetWindowSize(window.handle, &width, &height);  // by the scale of the monitor larger than was asked for
+  const Rect fitted = fitted_window(width, height, area, frame);
+  if (fitted.width == width && fitted.height == height) return;
+  glfwSetWindowSize(window.handle, fitted.width, fitted.height);
+  glfwSetWindowPos(window.handle, fitted.x, fitted.y);
+}
+
 }  // namespace
+
+Rect fitted_window(int width, int height, const Rect& area, const std::array<int, 4>& frame) {
+  const auto fitted = [](int wanted, int side, int borders) {
+    constexpr int kLeast = 64;
+    return side <= 0 ? wanted : std::min(wanted, std::max(side - borders, kLeast));
+  };
+  return {area.x + frame[0], area.y + frame[1], fitted(width, area.width, frame[0] + frame[2]),
+          fitted(height, area.height, frame[1] + frame[3])};
+}
 
 GlfwLibrary::GlfwLibrary() {
   if (glfwInit() != GLFW_TRUE) throw no_window(last_glfw_error());
@@ -53,8 +80,13 @@ void open_window(WindowHandle& window, const ViewerOptions& options) {
       height = mode->height;
     }
   }
+  glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);  // until it has its size; what fills the screen is shown all the same
   window.handle = glfwCreateWindow(width, height, "Sparsha", monitor, nullptr);
   if (window.handle == nullptr) throw no_window(last_glfw_error());
+  if (monitor == nullptr) {
+    fit_to_monitor(window);
+    glfwShowWindow(window.handle);
+  }
   glfwMakeContextCurrent(window.handle);
   glfwSwapInterval(1);
 }

@@ -1,6 +1,9 @@
 // A window of GLFW with an OpenGL context, on the screen or as large as it.
 #pragma once
 
+#include <array>
+
+#include "viewer/camera/camera.h"
 #include "viewer/viewer.h"
 
 struct GLFWwindow;
@@ -24,7 +27,12 @@ struct WindowHandle {
   WindowHandle& operator=(const WindowHandle&) = delete;
 };
 
-/// Opens the window and makes its context current. Throws Error{failure}.
+/// Where a window of that size is to be so that it lies in `area` together with its frame (left, top, right, bottom),
+/// screen coordinates: no side is longer than there is room for. An area without extent limits nothing.
+[[nodiscard]] Rect fitted_window(int width, int height, const Rect& area, const std::array<int, 4>& frame);
+
+/// Opens the window, no larger than the primary monitor's work area, and makes its context current. Throws
+/// Error{failure}.
 void open_window(WindowHandle& window, const ViewerOptions& options);
 /// False without a screen.
 bool fill_screen(GLFWwindow* window);

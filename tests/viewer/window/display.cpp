@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -23,7 +24,7 @@ bool on_path(const std::string& program) {
   return false;
 }
 
-VirtualDisplay::VirtualDisplay(const std::string& number) {
+VirtualDisplay::VirtualDisplay(const std::string& number, const std::string& size) {
   int ends[2];
   if (::pipe(ends) != 0) return;
   pid_ = ::fork();
@@ -33,12 +34,13 @@ VirtualDisplay::VirtualDisplay(const std::string& number) {
     ::dup2(quiet, 2);
     ::close(ends[0]);
     const std::string fd = std::to_string(ends[1]);
+    const std::string screen = size + "x24";
     // A server that begins anew whenever its last client has gone, as after a look whether it is there, refuses others
     // meanwhile.
     if (!number.empty())
-      ::execlp("Xvfb", "Xvfb", number.c_str(), "-noreset", "-displayfd", fd.c_str(), "-screen", "0", "1280x800x24",
+      ::execlp("Xvfb", "Xvfb", number.c_str(), "-noreset", "-displayfd", fd.c_str(), "-screen", "0", screen.c_str(),
                "-nolisten", "tcp", static_cast<char*>(nullptr));
-    ::execlp("Xvfb", "Xvfb", "-noreset", "-displayfd", fd.c_str(), "-screen", "0", "1280x800x24", "-nolisten", "tcp",
+    ::execlp("Xvfb", "Xvfb", "-noreset", "-displayfd", fd.c_str(), "-screen", "0", screen.c_str(), "-nolisten", "tcp",
              static_cast<char*>(nullptr));
     ::_exit(127);
   }
@@ -97,6 +99,19 @@ unsigned long window_number() {
     ::pclose(pipe);
   }
   return window;
+}
+
+std::pair<int, int> size_of_window(unsigned long window) {
+  std::pair<int, int> size;
+  if (FILE* pipe = ::popen(("xdotool getwindowgeometry --shell " + std::to_string(window)).c_str(), "r")) {
+    std::array<char, 256> line{};
+    while (std::fgets(line.data(), line.size(), pipe) != nullptr) {
+      std::sscanf(line.data(), "WIDTH=%d", &size.first);
+      std::sscanf(line.data(), "HEIGHT=%d", &size.second);
+    }
+    ::pclose(pipe);
+  }
+  return size;
 }
 
 }  // namespace sparsha::viewer::test

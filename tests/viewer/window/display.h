@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace sparsha::viewer::test {
 
@@ -16,8 +17,8 @@ namespace sparsha::viewer::test {
 /// Xvfb on a display number of its own choice, ended by the destructor.
 class VirtualDisplay {
  public:
-  /// `number`: a display number of one's own choice, or nothing.
-  explicit VirtualDisplay(const std::string& number = {});
+  /// `number`: a display number of one's own choice, or nothing. `size`: of its screen, pixels.
+  explicit VirtualDisplay(const std::string& number = {}, const std::string& size = "1280x800");
   ~VirtualDisplay();
   VirtualDisplay(const VirtualDisplay&) = delete;
   VirtualDisplay& operator=(const VirtualDisplay&) = delete;
@@ -58,5 +59,8 @@ int xdotool(const std::string& arguments);
 
 /// The window's number in the X server; 0: there is none.
 [[nodiscard]] unsigned long window_number();
+
+/// Width and height as the X server has them, pixels.
+[[nodiscard]] std::pair<int, int> size_of_window(unsigned long window);
 
 }  // namespace sparsha::viewer::test

@@ -1,6 +1,7 @@
 // A real window on a virtual display, driven by real key and mouse events.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -9,6 +10,8 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "base/error.h"
@@ -21,6 +24,7 @@
 #include "viewer/cloud/orientation.h"
 #include "viewer/marks/notes.h"
 #include "viewer/viewer.h"
+#include "viewer/window/glfw_window.h"
 
 namespace sparsha::viewer::test {
 namespace {
@@ -59,6 +63,31 @@ TEST(WindowWithoutDisplay, IsFoundOutCheaplyAndSaid) {
     EXPECT_FALSE(display_available());
   }
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(10));
+}
+
+TEST(WindowSize, IsWhatTheWorkAreaHasRoomForWithinTheFrame) {
+  const std::array<int, 4> frame{2, 28, 2, 2};
+  EXPECT_EQ(fitted_window(1280, 720, {0, 0, 1920, 1080}, frame), (Rect{2, 28, 1280, 720}));
+  EXPECT_EQ(fitted_window(1280, 720, {0, 0, 1024, 768}, {}), (Rect{0, 0, 1024, 720}));
+  EXPECT_EQ(fitted_window(1280, 720, {60, 24, 964, 744}, frame), (Rect{62, 52, 960, 714}));
+  EXPECT_EQ(fitted_window(2560, 1440, {0, 32, 1366, 736}, frame), (Rect{2, 60, 1362, 706}));
+  EXPECT_EQ(fitted_window(1280, 720, {}, {}), (Rect{0, 0, 1280, 720})) << "an unknown area limits nothing";
+}
+
+TEST(WindowSize, IsNoLargerThanTheScreen) {
+  if (!on_path("Xvfb")) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
+  ASSERT_TRUE(on_path("xdotool")) << "package xdotool";
+  for (const auto& [size, width, height] :
+       {std::tuple{"1024x768", 1024, 720}, std::tuple{"800x600", 800, 600}, std::tuple{"1920x1080", 1280, 720}}) {
+    SCOPED_TRACE(size);
+    const VirtualDisplay display({}, size);
+    ASSERT_FALSE(display.name().empty()) << "Xvfb did not start";
+    const DisplayName name(display.name().c_str());
+    const GlfwLibrary library;
+    WindowHandle window;
+    open_window(window, {});
+    EXPECT_EQ(size_of_window(window_number()), std::pair(width, height));
+  }
 }
 
 TEST_F(Window, KeysAndMouseReachTheSession) {
