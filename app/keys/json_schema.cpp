@@ -1,7 +1,9 @@
 #include "app/keys/json_schema.h"
 
 #include <cmath>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -36,6 +38,12 @@ ordered_json list_of(const ordered_json& items, double least, double most) {
 
 ordered_json numbers(double count) { return list_of({{"type", "number"}}, count, count); }
 
+ordered_json text(const Form& form) {
+  ordered_json schema{{"type", {"string", "number", "boolean"}}};
+  if (!form.pattern.empty()) schema["pattern"] = form.pattern;
+  return schema;
+}
+
 ordered_json block_schema(std::string_view block);
 
 ordered_json form_schema(const Key& key, const Form& form) {
@@ -45,7 +53,7 @@ ordered_json form_schema(const Key& key, const Form& form) {
     case Kind::block:
       return block_schema(key.path);
     case Kind::list:
-      return list_of(block_schema(std::string(key.path) + "[]"), key.required ? 1.0 : 0.0, 0.0);
+      return list_of(block_schema(std::string(key.path) + "[]"), form.least, form.most);
     case Kind::number:
       return limited("number", form);
     case Kind::whole:
@@ -55,7 +63,7 @@ ordered_json form_schema(const Key& key, const Form& form) {
       return {{"enum", {true, false, "on", "off", "yes", "no"}}};
     case Kind::text:
     case Kind::file:
-      return {{"type", {"string", "number", "boolean"}}};
+      return text(form);
     case Kind::word:
       return {{"enum", form.words}};
     case Kind::words:
@@ -113,6 +121,51 @@ void add_rules(ordered_json& rules, const Choice& choice) {
       rules.push_back({{"not", {{"required", {choice.keys[i], choice.keys[j]}}}}});
 }
 
+ordered_json with_value(std::string_view name, const ordered_json& value) {
+  return {{"required", {name}}, {"properties", {{std::string(name), value}}}};
+}
+
+void add_rules(ordered_json& rules, const scene::Company& company) {
+  ordered_json beside = required(company.other);
+  if (!company.other_is.empty()) beside = with_value(company.other, {{"const", company.other_is}});
+  if (!company.other_is_not.empty()) beside = with_value(company.other, {{"not", {{"const", company.other_is_not}}}});
+  const ordered_json there =
+      company.key_is.empty() ? required(company.key) : with_value(company.key, {{"const", company.key_is}});
+  rules.push_back({{"if", there}, {"then", beside}});
+}
+
+/// Of a path from the root, "audio.regions[].label": its first part, and what is behind it.
+std::pair<std::string, std::string_view> first_of(std::string_view path) {
+  const std::size_t dot = path.find('.');
+  return {std::string(path.substr(0, dot)), dot == std::string_view::npos ? std::string_view{} : path.substr(dot + 1)};
+}
+
+ordered_json present(std::string_view path) {
+  const auto [name, rest] = first_of(path);
+  ordered_json schema{{"type", "object"}, {"required", {name}}};
+  if (!rest.empty()) schema["properties"][name] = present(rest);
+  return schema;
+}
+
+/// No value at this path in any list, or none of so many numbers.
+ordered_json absent(std::string_view path, int numbers) {
+  auto [name, rest] = first_of(path);
+  if (rest.empty() && numbers > 0) return {{"properties", {{name, {{"maxItems", numbers - 1}}}}}};
+  if (rest.empty()) return {{"not", required(name)}};
+  const bool in_list = name.ends_with("[]");
+  if (in_list) name.resize(name.size() - 2);
+  const ordered_json inside = absent(rest, numbers);
+  return {{"properties", {{name, in_list ? ordered_json{{"items", inside}} : inside}}}};
+}
+
+void add_rules(ordered_json& rules, const scene::Relation& relation) {
+  const ordered_json none = absent(relation.path, relation.numbers), other = present(relation.other);
+  if (relation.rule == scene::Relation::Rule::needs)
+    rules.push_back({{"anyOf", {none, other}}});
+  else
+    rules.push_back({{"anyOf", {none, {{"not", other}}}}});
+}
+
 ordered_json block_schema(std::string_view block) {
   ordered_json schema{{"type", "object"}, {"additionalProperties", false}, {"properties", ordered_json::object()}};
   for (const Key* key : scene::keys_of(block)) {
@@ -120,11 +173,13 @@ ordered_json block_schema(std::string_view block) {
     schema["properties"][name] = key_schema(*key);
     if (key->required) schema["required"].push_back(name);
   }
-  for (const scene::Company& company : scene::config_company())
-    if (company.block == block) schema["dependencies"][std::string(company.key)].push_back(company.other);
   ordered_json rules = ordered_json::array();
+  for (const scene::Company& company : scene::config_company())
+    if (company.block == block) add_rules(rules, company);
   for (const Choice& choice : scene::config_choices())
     if (choice.block == block) add_rules(rules, choice);
+  if (block.empty())
+    for (const scene::Relation& relation : scene::config_relations()) add_rules(rules, relation);
   if (!rules.empty()) schema["allOf"] = rules;
   return schema;
 }

@@ -75,7 +75,7 @@ std::vector<Key> filter_keys() {
       {"filters[].thin", {block(), nothing()}, "", "", "Leaves about so many points for each node of the grid"},
       {"filters[].thin.points_per_node", {whole(1, 1000000)}, "", "4", "Points a node"},
       {"filters[].field", {block()}, "", "", "Keeps points by a value that the scan says of them; one limit or both"},
-      {"filters[].field.name", {text()}, "", "", "The field, as `sparsha info` lists it, such as confidence", true},
+      {"filters[].field.name", {name()}, "", "", "The field, as `sparsha info` lists it, such as confidence", true},
       {"filters[].field.min", {number(-kNoMost, kNoMost)}, "", "", "Smallest value that stays"},
       {"filters[].field.max", {number(-kNoMost, kNoMost)}, "", "", "Largest value that stays"},
       {"filters[].classes", {block()}, "", "", "Keeps points by their LAS class"},

@@ -11,13 +11,17 @@ namespace sparsha::scene::keys {
 
 inline Form nothing() { return {.kind = Form::Kind::nothing}; }
 inline Form block() { return {.kind = Form::Kind::block}; }
-inline Form list() { return {.kind = Form::Kind::list}; }
+inline Form list(double least = 0.0, double most = 0.0) {
+  return {.kind = Form::Kind::list, .least = least, .most = most};
+}
 inline Form number(double least, double most) { return {.kind = Form::Kind::number, .least = least, .most = most}; }
 inline Form length() { return number(kNoLeast, kNoMost); }
 inline Form whole(double least, double most) { return {.kind = Form::Kind::whole, .least = least, .most = most}; }
 inline Form toggle() { return {.kind = Form::Kind::toggle}; }
 inline Form text() { return {.kind = Form::Kind::text}; }
-inline Form file() { return {.kind = Form::Kind::file}; }
+/// Not empty; `seen`: not of white space alone either.
+inline Form name(bool seen = false) { return {.kind = Form::Kind::text, .pattern = seen ? "\\S" : "[\\s\\S]"}; }
+inline Form file() { return {.kind = Form::Kind::file, .pattern = "[\\s\\S]"}; }
 inline Form word(std::vector<std::string_view> words) { return {.kind = Form::Kind::word, .words = std::move(words)}; }
 inline Form words(double least, std::vector<std::string_view> words) {
   return {.kind = Form::Kind::words, .least = least, .words = std::move(words)};

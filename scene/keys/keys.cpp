@@ -48,12 +48,25 @@ std::span<const Choice> config_choices() {
 }
 
 std::span<const Company> config_company() {
-  static const std::vector<Company> kCompany{{"unroll", "centre_m", "axis"},
-                                             {"unroll", "slope_deg", "shape"},
-                                             {"parts[]", "mu_static", "mu_dynamic"},
-                                             {"audio.regions[]", "loop", "clip"},
-                                             {"guide", "line_m", "path"}};
+  static const std::vector<Company> kCompany{
+      {"unroll", "centre_m", "axis", {}, {}, "auto"}, {"unroll", "slope_deg", "shape", {}, "cone"},
+      {"parts[]", "mu_static", "mu_dynamic"},         {"audio.regions[]", "loop", "clip"},
+      {"guide", "line_m", "path", {}, "drawn"},       {"guide", "path", "line_m", "drawn"}};
   return kCompany;
+}
+
+std::span<const Relation> config_relations() {
+  constexpr auto kExcludes = Relation::Rule::excludes;
+  constexpr auto kNeeds = Relation::Rule::needs;
+  static const std::vector<Relation> kRelations{{"unroll", kExcludes, "around"},
+                                                {"unroll", kExcludes, "grid.bounds_m"},
+                                                {"unroll", kExcludes, "orientation.face"},
+                                                {"unroll", kExcludes, "orientation.regions_matrix"},
+                                                {"parts[].mu_dynamic", kNeeds, "friction"},
+                                                {"parts[].label", kNeeds, "audio.labels"},
+                                                {"parts[].box_m", kNeeds, "around", 6},
+                                                {"audio.regions[].box_m", kNeeds, "around", 6}};
+  return kRelations;
 }
 
 std::string_view block_of(std::string_view path) {

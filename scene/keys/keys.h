@@ -15,7 +15,7 @@ struct Form {
   enum class Kind {
     nothing,  ///< the block with all its defaults: "fill:"
     block,    ///< the keys below
-    list,     ///< of blocks
+    list,     ///< of `least` to `most` blocks; 0: no limit
     number,   ///< least to most
     whole,    ///< least to most
     toggle,   ///< true, on, yes; false, off, no
@@ -32,6 +32,7 @@ struct Form {
   double least = 0.0;
   double most = 0.0;
   std::vector<std::string_view> words{};
+  std::string_view pattern{};  ///< of a text or file: a regular expression that matches somewhere in it; empty: any
 };
 
 /// Where a number has no limit that a reader would name: 1e-12 and 1e12 are there to catch slips.
@@ -55,17 +56,30 @@ struct Choice {
   std::vector<std::string_view> keys;
 };
 
-/// A key that means something beside another one alone.
+/// A key that means something beside another one alone, of any value or of one.
 struct Company {
   std::string_view block;
   std::string_view key;
   std::string_view other;
+  std::string_view key_is{};        ///< of this value alone it needs the other; empty: always
+  std::string_view other_is{};      ///< the other has this value; empty: any
+  std::string_view other_is_not{};  ///< the other has not this value
+};
+
+/// What keys of two blocks have to do with each other.
+struct Relation {
+  enum class Rule { excludes, needs };
+  std::string_view path;
+  Rule rule = Rule::excludes;
+  std::string_view other;  ///< of no list
+  int numbers = 0;         ///< only where `path` is a list of so many numbers, its longest form; 0: always
 };
 
 /// In the order of docs/configuration.md: a block stands before its keys.
 [[nodiscard]] std::span<const Key> config_keys();
 [[nodiscard]] std::span<const Choice> config_choices();
 [[nodiscard]] std::span<const Company> config_company();
+[[nodiscard]] std::span<const Relation> config_relations();
 
 /// The keys of a block: those of "grid" are "grid.size" and so on; those of "scans[]" "scans[].file". "" is the root.
 [[nodiscard]] std::vector<const Key*> keys_of(std::string_view block);

@@ -6,7 +6,7 @@ namespace sparsha::scene::keys {
 
 std::vector<Key> scan_keys() {
   return {
-      {"scans", {list()}, "", "", "The files that are built, one or more", true},
+      {"scans", {list(1.0)}, "", "", "The files that are built, one or more", true},
       {"scans[].file",
        {file()},
        "",

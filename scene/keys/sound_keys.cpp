@@ -31,7 +31,7 @@ std::vector<Key> sound_keys() {
        "A note, or the modes of a recorded strike (`sparsha sound fit`)"},
       {"audio.regions[].modal.frequency_hz", {frequency()}, "Hz", "240", "The note"},
       {"audio.regions[].modal.decay_s", {decay()}, "s", "1.2", "Time to fall by 60 dB"},
-      {"audio.regions[].modal.modes", {list()}, "", "", "1 to 32 modes in place of the note"},
+      {"audio.regions[].modal.modes", {list(1.0, kMostModes)}, "", "", "1 to 32 modes in place of the note"},
       {"audio.regions[].modal.modes[].frequency_hz", {frequency()}, "Hz", "", "Frequency of the mode", true},
       {"audio.regions[].modal.modes[].decay_s", {decay()}, "s", "", "Time to fall by 60 dB", true},
       {"audio.regions[].modal.modes[].level_db", {number(-200.0, 60.0)}, "dB", "0", "Level relative to the others"},

@@ -45,7 +45,7 @@ std::vector<Key> touch_keys() {
        "The texture goes on above what the scan resolves; invented, not measured"},
       {"haptics.material", {material()}, "", "granite", "Material of impact and grain"},
       {"parts", {list()}, "", "", "Places that have a name; the first one that has a value gives it"},
-      {"parts[].name", {text()}, "", "", "By what it is known", true},
+      {"parts[].name", {name(true)}, "", "", "By what it is known", true},
       {"parts[].say", {text()}, "", "", "Spoken when it is touched; absent: the name"},
       {"parts[].more", {text()}, "", "", "Told when more is asked for"},
       {"parts[].box_m",

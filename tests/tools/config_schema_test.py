@@ -40,6 +40,37 @@ def number(loader, node):
 Editor.add_constructor("tag:yaml.org,2002:float", number)
 
 
+MODE = "{frequency_hz: 300, decay_s: 1}"
+REGION = "name: r, box_m: [0, 0, 1, 1]"
+# (configuration without its scans, whether it is taken)
+JUDGED = [
+    ("guide: {path: drawn}", False), ("guide: {path: drawn, line_m: [[0, 0], [1, 0]]}", True), ("guide: {path: part}", True),
+    ("guide: {path: part, line_m: [[0, 0], [1, 0]]}", False), ("guide: {line_m: [[0, 0], [1, 0]]}", False),
+    ("unroll: {}", True), ("unroll: {}\naround: {}", False), ("unroll:\naround:", False), ("around: {}", True),
+    ("unroll: {}\ngrid: {bounds_m: [0, 0, 1, 1]}", False), ("unroll: {}\ngrid: {size: 100}", True),
+    ("unroll: {}\norientation: {face: auto}", False), ("unroll: {}\norientation: {look_from: [1, 0, 0]}", True),
+    ("unroll: {slope_deg: 3, shape: cone}", True), ("unroll: {slope_deg: 3, shape: auto}", False), ("unroll: {slope_deg: 3}", False),
+    ("unroll: {axis: [0, 0, 1], centre_m: [0, 0, 0]}", True), ("unroll: {axis: auto, centre_m: [0, 0, 0]}", False),
+    (f"audio: {{regions: [{{{REGION}, modal: {{modes: []}}}}]}}", False),
+    (f"audio: {{regions: [{{{REGION}, modal: {{modes: [{', '.join([MODE] * 32)}]}}}}]}}", True),
+    (f"audio: {{regions: [{{{REGION}, modal: {{modes: [{', '.join([MODE] * 33)}]}}}}]}}", False),
+    (f'audio: {{regions: [{{{REGION}, clip: ""}}]}}', False), (f"audio: {{regions: [{{{REGION}, clip: a.wav}}]}}", True),
+    ('audio: {labels: ""}', False), ('audio: {labels: {file: ""}}', False), ("audio: {labels: {file: a.png}}", True),
+    ('parts: [{name: "", box_m: [0, 0, 1, 1]}]', False), ('parts: [{name: " ", box_m: [0, 0, 1, 1]}]', False),
+    ("parts: [{name: 5, box_m: [0, 0, 1, 1]}]", True), ("parts: [{name: p, box_m: [0, 0, 0, 1, 1, 1]}]", False),
+    ("around: {}\nparts: [{name: p, box_m: [0, 0, 0, 1, 1, 1]}]", True),
+    ("audio: {regions: [{name: r, box_m: [0, 0, 0, 1, 1, 1], material: bronze}]}", False),
+    ("around:\naudio: {regions: [{name: r, box_m: [0, 0, 0, 1, 1, 1], material: bronze}]}", True),
+    ("parts: [{name: p, label: 3}]", False), ("audio:\nparts: [{name: p, label: 3}]", False),
+    ("audio: {labels: a.png}\nparts: [{name: p, label: 3}]", True),
+    ("parts: [{name: p, box_m: [0, 0, 1, 1], mu_dynamic: 0.2}]", False),
+    ("friction:\nparts: [{name: p, box_m: [0, 0, 1, 1], mu_dynamic: 0.2}]", True),
+    ('filters: [{field: {name: "", min: 1}}]', False), ("filters: [{field: {name: confidence, min: 1}}]", True),
+    ('grid: {size: "5"}', False), ('grid: {spacing_mm: "5"}', False), ("grid: {spacing_mm: 5 mm}", False),
+    ('fill: {max_gap_mm: "5"}', False), ('texture: ""', False), ("haptics: hello", False), ("grid: {spacing_mm: 1e-1}", True),
+]
+
+
 def load(text):
     return yaml.load(text, Editor)
 
@@ -114,6 +145,19 @@ def main():
                     faults.append(f"the schema takes a fault at {path}")
     if refused < 200:
         faults.append(f"only {refused} faults were tried")
+
+    # What is to be beside what, and what is too much or too little: judged by both.
+    for fragment, accepted in JUDGED:
+        text = "scans: [{file: a.ply}]\n" + fragment
+        if validator.is_valid(load(text)) != accepted:
+            faults.append(f"the schema {'refuses' if accepted else 'takes'} {fragment}")
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "c.yaml"
+            file.write_text(text, encoding="utf-8")
+            done = program("build", file, "--validate", code=None)
+            # A scan that is not there is found behind the configuration.
+            if (done.returncode == 2) == accepted:
+                faults.append(f"the program {'refuses' if accepted else 'takes'} {fragment}: {done.stderr}")
 
     # Whatever the program takes, an editor takes: values of one place put at another, by chance.
     chance = random.Random(40)

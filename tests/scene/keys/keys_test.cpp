@@ -195,9 +195,80 @@ TEST(ConfigKeys, AKeyThatBelongsToAnotherIsRefusedWithoutIt) {
     const Key* key = find_key(std::string(company.block) + "." + std::string(company.key));
     ASSERT_NE(key, nullptr);
     ASSERT_NE(find_key(std::string(company.block) + "." + std::string(company.other)), nullptr);
-    expect_taken(document(*key, sample(*key)));
-    expect_refused(document(company.block, {{std::string(company.key), sample(*key)}}) + at_root(*key));
+    const std::string name(company.key), other(company.other);
+    const std::string value(company.key_is.empty() ? sample(*key) : company.key_is);
+    expect_taken(document(*key, value));
+    expect_refused(document(company.block, {{name, value}}) + at_root(*key));
+    const Key& beside = *find_key(std::string(company.block) + "." + other);
+    if (!company.other_is_not.empty())
+      expect_refused(document(company.block, {{name, value}, {other, std::string(company.other_is_not)}}));
+    if (company.other_is.empty()) continue;
+    const Form* words = form_of(beside, Kind::word);
+    ASSERT_NE(words, nullptr);
+    for (const std::string_view word : words->words)
+      EXPECT_EQ(!refusal(document(company.block, {{name, value}, {other, std::string(word)}})),
+                word == company.other_is)
+          << word;
   }
+}
+
+TEST(ConfigKeys, KeysOfTwoBlocksNeedOrExcludeEachOtherAsTheTableSays) {
+  for (const Relation& relation : config_relations()) {
+    SCOPED_TRACE(relation.path);
+    SCOPED_TRACE(relation.other);
+    const Key* key = find_key(relation.path);
+    const Key* other = find_key(relation.other);
+    ASSERT_NE(key, nullptr);
+    ASSERT_NE(other, nullptr);
+    if (relation.rule == Relation::Rule::excludes) {
+      const std::string block(block_of(relation.other));
+      const std::string fields = std::string(name_of(relation.other)) + ": " + sample(*other);
+      const std::pair beside{block.empty() ? std::string(relation.other) : block,
+                             block.empty() ? sample(*other) : "{" + fields + "}"};
+      const std::pair alone{std::string(relation.path), sample(*key)};
+      expect_taken(document("", {alone}));
+      expect_taken(document("", {beside}));
+      expect_refused(document("", {alone, beside}));
+      continue;
+    }
+    ASSERT_FALSE(at_root(*key).empty());
+    const bool any = relation.numbers == 0;
+    const std::string value = any ? sample(*key) : sample(*key, key->forms.back());
+    const std::string without = document(block_of(key->path), {{std::string(name_of(key->path)), value}});
+    expect_taken(without + at_root(*key));
+    expect_refused(without);
+    if (!any) expect_taken(document(block_of(key->path), {{std::string(name_of(key->path)), sample(*key)}}));
+  }
+}
+
+TEST(ConfigKeys, ListsAndTextsAreAsLongAsTheTableSays) {
+  int lists = 0, texts = 0;
+  for (const Key& key : config_keys()) {
+    SCOPED_TRACE(key.path);
+    if (const Form* list = form_of(key, Kind::list)) {
+      const std::string one = sample(key, *list);
+      const auto of = [&](double count) {
+        std::string items;
+        for (int k = 0; k < static_cast<int>(count); ++k) items += (k == 0 ? "" : ", ") + one.substr(1, one.size() - 2);
+        return document(key, "[" + items + "]");
+      };
+      EXPECT_EQ(!refusal(of(0.0)), list->least == 0.0);
+      if (list->most > 0.0) {
+        expect_taken(of(list->most));
+        expect_refused(of(list->most + 1.0));
+        ++lists;
+      }
+    }
+    for (const Kind kind : {Kind::text, Kind::file}) {
+      const Form* text = form_of(key, kind);
+      if (text == nullptr) continue;
+      EXPECT_EQ(!refusal(document(key, "\"\"")), text->pattern.empty());
+      EXPECT_EQ(!refusal(document(key, "\" \"")), text->pattern != "\\S");
+      ++texts;
+    }
+  }
+  EXPECT_GT(lists, 0);
+  EXPECT_GT(texts, 5);
 }
 
 TEST(ConfigKeys, UnitsAreThoseOfTheNamesAndSentencesAreWhole) {
