@@ -18,7 +18,7 @@ Eigen::Vector3d middle_of(const scene::Scene& scene) {
   const Eigen::Vector3d grid(0.5 * (lattice.x_m(0) + lattice.x_m(lattice.nx - 1)),
                              0.5 * (lattice.y_m(0) + lattice.y_m(lattice.ny - 1)),
                              0.5 * (description.height_min_m + description.height_max_m));
-  return NodeRows(scene, false).scan_m(grid).array().round();
+  return NodeRows(scene, Nodes::of_cells).scan_m(grid).array().round();
 }
 
 /// glTF's colours of vertices are light, not sRGB (IEC 61966-2-1).
@@ -29,7 +29,7 @@ std::uint16_t light_of(std::uint32_t byte) {
 }
 
 void put_places_in_pictures(const scene::Scene& scene, Output& output) {
-  NodeRows rows(scene, false);
+  NodeRows rows(scene, Nodes::of_cells);
   const scene::Lattice& lattice = rows.lattice();
   for (int j = 0; j < lattice.ny; ++j) {
     for (int i = 0; i < lattice.nx; ++i) {
@@ -47,24 +47,25 @@ void export_glb(const scene::Scene& scene, const std::filesystem::path& file, co
   const Eigen::Vector3d middle = middle_of(scene);
   const auto local = [&](const Eigen::Vector3d& p) { return Eigen::Vector3f((p - middle).cast<float>()); };
   const bool colour = scene.description().has_colour;
-  const MeshCounts counts = count_mesh(scene, false, progress);
+  const MeshCounts counts = count_mesh(scene, Nodes::of_cells, progress);
   if (counts.triangles == 0) {
     throw Error(ErrorKind::input, {shown, 0, 0},
                 "no cell of the scene is known at its four corners, so there is no mesh",
                 "expected a scene with more of its surface measured, or .ply or .xyz for its points");
   }
   GlbBox box;
-  for_each_vertex(scene, false, progress, [&](const Eigen::Vector3d& p, std::uint32_t) { box.add(local(p)); });
+  for_each_vertex(scene, Nodes::of_cells, progress,
+                  [&](const Eigen::Vector3d& p, std::uint32_t) { box.add(local(p)); });
   const std::vector<HapticMap> maps = haptics ? haptic_maps(scene, progress) : std::vector<HapticMap>();
   const GlbDescription description(counts, box, middle, viewer_from_scan(scene), colour, maps);
   Output output(file, shown);
   begin_glb(description, output, shown);
-  for_each_vertex(scene, false, progress, [&](const Eigen::Vector3d& p, std::uint32_t) {
+  for_each_vertex(scene, Nodes::of_cells, progress, [&](const Eigen::Vector3d& p, std::uint32_t) {
     const Eigen::Vector3f q = local(p);
     for (int axis = 0; axis < 3; ++axis) output.put(q[axis]);
   });
   if (colour) {
-    for_each_vertex(scene, false, progress, [&](const Eigen::Vector3d&, std::uint32_t rgba) {
+    for_each_vertex(scene, Nodes::of_cells, progress, [&](const Eigen::Vector3d&, std::uint32_t rgba) {
       if (rgba == 0) rgba = 0xFFFFFFFFU;  // white where the scene knows no colour
       for (const unsigned shift : {0U, 8U, 16U}) output.put(light_of(rgba >> shift & 255U));
       output.put(std::uint16_t{0xFFFF});

@@ -17,6 +17,24 @@ std::string remark(bool nodes_only) {
                     : "measured and filled nodes in the scan frame, metres";
 }
 
+/// What a mesh is made of. A scene without a whole cell has no faces, and its nodes are written alone.
+struct Pieces {
+  Nodes nodes = Nodes::measured;
+  MeshCounts counts;
+};
+
+Pieces pieces_of(const scene::Scene& scene, bool nodes_only, Progress& progress) {
+  Pieces pieces;
+  if (!nodes_only) {
+    pieces.nodes = Nodes::of_cells;
+    pieces.counts = count_mesh(scene, pieces.nodes, progress);
+    if (pieces.counts.triangles > 0) return pieces;
+    pieces.nodes = Nodes::known;
+  }
+  pieces.counts = count_mesh(scene, pieces.nodes, progress);
+  return pieces;
+}
+
 /// White where the scene knows no colour: the formats have no other way to say so.
 constexpr std::uint32_t shown_colour(std::uint32_t rgba) { return rgba == 0 ? 0xFFFFFFFFU : rgba; }
 
@@ -28,7 +46,7 @@ void put_colour(Output& output, std::uint32_t rgba) {
 
 void export_ply(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
                 Progress& progress) {
-  const MeshCounts counts = count_mesh(scene, nodes_only, progress);
+  const auto [nodes, counts] = pieces_of(scene, nodes_only, progress);
   if (counts.vertices > std::numeric_limits<std::uint32_t>::max()) {
     throw Error(ErrorKind::failure, {shown, 0, 0}, "more vertices than PLY indices can count",
                 "expected at most 2^32 nodes");
@@ -43,11 +61,11 @@ void export_ply(const scene::Scene& scene, const std::filesystem::path& file, co
   if (colour) output.print("property uchar red\nproperty uchar green\nproperty uchar blue\n");
   if (!nodes_only) output.print("element face {}\nproperty list uchar {} vertex_indices\n", counts.triangles, index);
   output.print("end_header\n");
-  for_each_vertex(scene, nodes_only, progress, [&](const Eigen::Vector3d& p, std::uint32_t rgba) {
+  for_each_vertex(scene, nodes, progress, [&](const Eigen::Vector3d& p, std::uint32_t rgba) {
     for (int axis = 0; axis < 3; ++axis) output.put(p[axis]);
     if (colour) put_colour(output, shown_colour(rgba));
   });
-  if (!nodes_only) {
+  if (counts.triangles > 0) {
     for_each_triangle(scene, progress, [&](std::uint64_t a, std::uint64_t b, std::uint64_t c) {
       output.put(std::uint8_t{3});
       for (const std::uint64_t corner : {a, b, c}) output.put(static_cast<std::uint32_t>(corner));
@@ -58,10 +76,11 @@ void export_ply(const scene::Scene& scene, const std::filesystem::path& file, co
 
 void export_obj(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
                 Progress& progress) {
+  const auto [nodes, counts] = pieces_of(scene, nodes_only, progress);
   const bool colour = scene.description().has_colour;
   Output output(file, shown);
   output.print("# {}\n", remark(nodes_only));
-  for_each_vertex(scene, nodes_only, progress, [&](const Eigen::Vector3d& p, std::uint32_t rgba) {
+  for_each_vertex(scene, nodes, progress, [&](const Eigen::Vector3d& p, std::uint32_t rgba) {
     output.print("v {} {} {}", p.x(), p.y(), p.z());
     if (colour) {
       rgba = shown_colour(rgba);
@@ -70,7 +89,7 @@ void export_obj(const scene::Scene& scene, const std::filesystem::path& file, co
     }
     output.print("\n");
   });
-  if (!nodes_only) {
+  if (counts.triangles > 0) {
     for_each_triangle(scene, progress, [&](std::uint64_t a, std::uint64_t b, std::uint64_t c) {
       output.print("f {} {} {}\n", a + 1, b + 1, c + 1);
     });
@@ -81,7 +100,7 @@ void export_obj(const scene::Scene& scene, const std::filesystem::path& file, co
 void export_xyz(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
                 Progress& progress) {
   Output output(file, shown);
-  for_each_vertex(scene, nodes_only, progress,
+  for_each_vertex(scene, nodes_only ? Nodes::measured : Nodes::known, progress,
                   [&](const Eigen::Vector3d& p, std::uint32_t) { output.print("{} {} {}\n", p.x(), p.y(), p.z()); });
   output.close();
 }

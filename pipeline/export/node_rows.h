@@ -17,10 +17,16 @@
 
 namespace sparsha::pipeline {
 
-/// Reads bands of rows; asked for rows in order it touches each once.
+enum class Nodes {
+  measured,
+  known,    ///< filled ones, too
+  of_cells  ///< known, and a corner of a cell with four known corners: of a mesh without loose vertices
+};
+
+/// Reads bands of rows; asked for rows in order it touches each once, those between bands twice.
 class NodeRows {
  public:
-  NodeRows(const scene::Scene& scene, bool measured_only);
+  NodeRows(const scene::Scene& scene, Nodes nodes);
 
   [[nodiscard]] const scene::Lattice& lattice() const { return lattice_; }
   /// Whether node (i, j) is exported; j may not go back by more than a band.
@@ -34,15 +40,19 @@ class NodeRows {
 
  private:
   static constexpr int kBand = 256;  // rows
+  void load(int j);
   std::size_t locate(int i, int j);
+  /// Of a row in memory.
+  [[nodiscard]] bool chosen(int i, int j) const;
   /// Of an unrolled scene, whether column and row lie once around, and not in what is repeated beyond the seam.
   [[nodiscard]] bool once_around(int i, int j) const;
 
   const scene::Scene& scene_;
-  bool measured_only_;
+  Nodes nodes_;
   std::optional<scene::Unrolling> unrolling_;
   scene::Lattice lattice_;
-  int first_ = 0, rows_ = 0;  // of the band in memory
+  int first_ = 0, rows_ = 0;  // that the band is asked for; it has the rows beside them, too
+  int lowest_ = 0;            // in the band
   scene::Layers band_;
 };
 
@@ -52,12 +62,12 @@ struct MeshCounts {
   std::uint64_t vertices = 0;
   std::uint64_t triangles = 0;
 };
-[[nodiscard]] MeshCounts count_mesh(const scene::Scene& scene, bool nodes_only, Progress& progress);
+[[nodiscard]] MeshCounts count_mesh(const scene::Scene& scene, Nodes nodes, Progress& progress);
 
 /// Calls vertex(scan position, rgba) for each.
 template <typename Vertex>
-void for_each_vertex(const scene::Scene& scene, bool nodes_only, Progress& progress, Vertex&& vertex) {
-  NodeRows rows(scene, nodes_only);
+void for_each_vertex(const scene::Scene& scene, Nodes nodes, Progress& progress, Vertex&& vertex) {
+  NodeRows rows(scene, nodes);
   const scene::Lattice& lattice = rows.lattice();
   const bool colour = scene.description().has_colour;
   for (int j = 0; j < lattice.ny; ++j) {
@@ -70,11 +80,11 @@ void for_each_vertex(const scene::Scene& scene, bool nodes_only, Progress& progr
   }
 }
 
-/// Calls triangle(a, b, c) with numbers of vertices from 0. A cell whose four nodes are known has two, cut along its
-/// shorter diagonal; a cell with three known nodes has none: the grid does not say what lies there.
+/// Calls triangle(a, b, c) with numbers of the vertices Nodes::of_cells from 0. A cell whose four nodes are known has
+/// two, cut along its shorter diagonal; a cell with three known nodes has none: the grid does not say what lies there.
 template <typename Triangle>
 void for_each_triangle(const scene::Scene& scene, Progress& progress, Triangle&& triangle) {
-  NodeRows rows(scene, false);
+  NodeRows rows(scene, Nodes::of_cells);
   const scene::Lattice& lattice = rows.lattice();
   const bool mirrored = scene.description().scan_from_grid.topLeftCorner<3, 3>().determinant() < 0.0;
   constexpr std::uint64_t kNone = ~std::uint64_t{0};

@@ -29,7 +29,7 @@ struct Range {
 };
 
 Range height_range(const scene::Scene& scene, Progress& progress) {
-  NodeRows rows(scene, false);
+  NodeRows rows(scene, Nodes::known);
   Range range;
   for (int j = 0; j < rows.lattice().ny; ++j) {
     progress.at(0.3 * j / rows.lattice().ny);
@@ -74,7 +74,7 @@ void export_tif(const scene::Scene& scene, const std::filesystem::path& file, co
                 Progress& progress) {
   const Range range = height_range(scene, progress);
   const bool wide = std::max(std::fabs(range.low), std::fabs(range.high)) > kFloatReach_m && range.low <= range.high;
-  NodeRows rows(scene, false);
+  NodeRows rows(scene, Nodes::known);
   const scene::Lattice& lattice = rows.lattice();
   HeightTiff tiff(file, shown, lattice.nx, lattice.ny, wide);
   std::vector<double> band;
@@ -98,7 +98,7 @@ void export_png(const scene::Scene& scene, const std::filesystem::path& file, co
   const Range range = height_range(scene, progress);
   const double low = range.low <= range.high ? range.low : 0.0;
   const double step = range.low < range.high ? (range.high - range.low) / kPngSteps : 1.0;
-  NodeRows rows(scene, false);
+  NodeRows rows(scene, Nodes::known);
   const scene::Lattice& lattice = rows.lattice();
   std::vector<std::uint8_t> line(2 * static_cast<std::size_t>(lattice.nx));
 

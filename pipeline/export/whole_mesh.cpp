@@ -1,7 +1,9 @@
 // PLY, OBJ and GLB of a closed mesh.
 #include "pipeline/export/whole_mesh.h"
 
+#include <cstdint>
 #include <limits>
+#include <vector>
 
 #include <Eigen/LU>
 
@@ -105,6 +107,23 @@ void write_glb(const ScanMesh& mesh, const Eigen::Matrix3d& turn, const std::fil
   output.close();
 }
 
+/// Vertices that no triangle has, as of crumbs and of surface that is left open, go.
+void drop_loose_vertices(ClosedMesh& mesh) {
+  constexpr std::uint32_t kLoose = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> number(mesh.vertices_m.size(), kLoose);
+  for (const auto& triangle : mesh.triangles)
+    for (const std::uint32_t corner : triangle) number[corner] = 0;
+  std::uint32_t next = 0;
+  for (std::size_t k = 0; k < number.size(); ++k) {
+    if (number[k] == kLoose) continue;
+    mesh.vertices_m[next] = mesh.vertices_m[k];
+    number[k] = next++;
+  }
+  mesh.vertices_m.resize(next);
+  for (auto& triangle : mesh.triangles)
+    for (std::uint32_t& corner : triangle) corner = number[corner];
+}
+
 }  // namespace
 
 bool is_mesh(const std::filesystem::path& file) {
@@ -119,10 +138,11 @@ ClosedMeshFacts export_whole_mesh(const scene::Scene& scene, const std::filesyst
     throw Error(ErrorKind::usage, {shown, 0, 0}, "the ending names no mesh", "expected .ply, .obj or .glb");
   }
   context.progress.begin("mesh");
-  const ClosedMesh closed = make_closed_mesh(*scene.description().charts, holes, context);
+  ClosedMesh closed = make_closed_mesh(*scene.description().charts, holes, context);
   if (closed.vertices_m.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
     throw Error(ErrorKind::failure, {shown, 0, 0}, "more vertices than 32 bits can count", "a larger grid.spacing_mm");
   }
+  drop_loose_vertices(closed);
   const ScanMesh mesh(scene, closed);
   AtomicPath target(file);
   const std::string ending = ending_of(file);

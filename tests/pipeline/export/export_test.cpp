@@ -164,6 +164,49 @@ TEST_F(Export, UnknownNodesAreNaNInTiffAndZeroInPngAndAbsentFromMeshes) {
   EXPECT_TRUE(nodes.faces.empty());
 }
 
+TEST_F(Export, MeshesHaveNoVertexThatNoFaceHas) {
+  // A node alone, a row of nodes, and three corners of a cell, beside a surface of several bands of rows.
+  scene::Layers layers = impulse(60, 600, Eigen::Vector3d::Zero());
+  const auto forget = [&](int i, int j) {
+    layers.grid.height_m[layers.grid.lattice.index(i, j)] = scene::kUnknownHeight;
+    layers.grid.state[layers.grid.lattice.index(i, j)] = scene::NodeState::unknown;
+  };
+  for (int j = 0; j < 600; ++j)
+    for (int i = 40; i < 60; ++i) {
+      const bool alone = i == 50 && j == 255, row = j == 512 && i > 44, corners = (i == 47 || i == 48) && (j == 300);
+      if (!alone && !row && !corners && !(i == 47 && j == 301)) forget(i, j);
+    }
+  forget(0, 1);
+  forget(1, 1);
+  forget(1, 0);  // the corner (0, 0) stands alone
+  const scene::ScenePointer scene = scene_of(std::move(layers));
+  for (const char* name : {"mesh.ply", "mesh.obj"}) {
+    save(*scene, out(name));
+    const Mesh mesh = read_mesh(out(name));
+    std::vector<int> used(mesh.vertices.size(), 0);
+    for (const auto& face : mesh.faces)
+      for (const auto corner : face) used.at(static_cast<std::size_t>(corner)) = 1;
+    EXPECT_EQ(std::count(used.begin(), used.end(), 0), 0) << name;
+    EXPECT_EQ(mesh.vertices.size(), 40U * 600U - 4U) << name;
+    EXPECT_EQ(mesh.faces.size(), 2U * (39U * 599U - 4U)) << name;
+  }
+  save(*scene, out("points.xyz"));
+  EXPECT_EQ(read_mesh(out("points.xyz")).vertices.size(), 40U * 600U - 3U + 1U + 15U + 3U)
+      << "points are all known nodes";
+}
+
+TEST_F(Export, AScenesNodesWithoutAnyFaceAreWrittenAlone) {
+  scene::Layers layers = impulse(50, 50, Eigen::Vector3d::Zero());
+  for (int j = 0; j < 50; ++j)
+    for (int i = 0; i < 50; ++i)
+      if (i % 2 == 1) layers.grid.state[layers.grid.lattice.index(i, j)] = scene::NodeState::unknown;
+  const scene::ScenePointer scene = scene_of(std::move(layers));
+  save(*scene, out("mesh.ply"));
+  const Mesh mesh = read_mesh(out("mesh.ply"));
+  EXPECT_EQ(mesh.vertices.size(), 25U * 50U);
+  EXPECT_TRUE(mesh.faces.empty());
+}
+
 TEST_F(Export, NodesWithoutAColourAreWhiteAmongColouredOnes) {
   scene::Layers layers = impulse(50, 10, Eigen::Vector3d::Zero());
   layers.colour_rgba.assign(layers.grid.lattice.count(), 0xFF0000FFU);
