@@ -33,6 +33,7 @@ std::unique_ptr<haptics::Session> Exploration::session_of(const scene::ScenePoin
   options.language = speech().language;
   options.speaks = speaks(scene);
   options.by_keys = chosen_.keys != nullptr;
+  options.grip = chosen_.keys == nullptr && chosen_.pointer == nullptr;
   options.haptics = config.haptics;
   options.effects = {!arguments_.no_texture, !arguments_.no_friction};
   options.record = arguments_.record;

@@ -110,8 +110,10 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     // What was changed.
     {"texture_on", ""},
     {"texture_off", ""},
+    {"texture_none", ""},
     {"friction_on", ""},
     {"friction_off", ""},
+    {"friction_none", ""},
     {"stiffness", "number"},
     {"stiffness_most", "number"},
     // Help and the tour of the buttons.
@@ -125,6 +127,11 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     {"tour_where", ""},
     {"tour_good", ""},
     {"tour_end", ""},
+    {"tour_keys_begin", ""},
+    {"tour_keys_closer", ""},
+    {"tour_keys_farther", ""},
+    {"tour_keys_parts", ""},
+    {"tour_keys_where", ""},
     // Speech itself.
     {"speech_on", ""},
     {"speech_off", ""},

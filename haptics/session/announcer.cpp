@@ -47,16 +47,20 @@ void Announcer::say(Phrase phrase, const PhraseValues& values, Priority priority
   say_as_is(phrases_.text(phrase, values), priority);
 }
 
-void Announcer::say_as_is(std::string text, Priority priority) {
+void Announcer::say_as_is(std::string text, Priority priority, Announcement::Place place) {
   last_ = text;
-  board_.say(std::move(text), priority);
+  ++said_;
+  board_.say(std::move(text), priority, Announcement::Control::none, place);
 }
 
 void Announcer::repeat() {
-  if (!last_.empty()) board_.say(last_);
+  if (last_.empty()) return;
+  ++said_;
+  board_.say(last_);
 }
 
 void Announcer::control(Announcement::Control control, Phrase phrase) {
+  ++said_;
   board_.say(phrases_.text(phrase), Priority::information, control);
 }
 
@@ -81,19 +85,24 @@ void Announcer::watch_parts(const State& state) {
   const auto part_here = [&](const Eigen::Vector2d& at_m) { return part_at({at_m.x(), at_m.y(), state.place_m[2]}); };
   if (const std::optional<std::size_t> here =
           parts_.watch({state.place_m[0], state.place_m[1]}, kWellInside_m / state.scale, state.time_s, part_here)) {
-    say_as_is(part(*here).say);
+    say_as_is(part(*here).say, Priority::information, Announcement::Place::part);
     described_ = here;  // the next press tells more
   }
 }
 
 // A hand that has fallen off the stone is told of it, too.
 void Announcer::watch_ground(const State& state) {
+  const auto say_here = [this](Phrase phrase, Announcement::Place place) {
+    say_as_is(phrases_.text(phrase), Priority::information, place);
+  };
   const bool outside = (state.flags & kFlagOutside) != 0;
-  if (outside && !outside_ && state.time_s - outside_left_s_ > kSilence_s) say(way_back(state));
+  if (outside && !outside_ && state.time_s - outside_left_s_ > kSilence_s)
+    say_here(way_back(state), Announcement::Place::edge);
   if (outside) outside_left_s_ = state.time_s;
   outside_ = outside;
   const bool unknown = (state.flags & kFlagUnknownArea) != 0 && !outside;
-  if (unknown && !unknown_ && state.time_s - unknown_left_s_ > kSilence_s) say("not_measured");
+  if (unknown && !unknown_ && state.time_s - unknown_left_s_ > kSilence_s)
+    say_here("not_measured", Announcement::Place::unmeasured);
   if (unknown) unknown_left_s_ = state.time_s;
   unknown_ = unknown;
 }

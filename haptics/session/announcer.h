@@ -55,9 +55,12 @@ class Announcer {
   void repeat();
   void say(Phrase phrase, const PhraseValues& values = {}, Priority priority = Priority::information);
   /// What a driver has to say, in its own words.
-  void say_as_is(std::string text, Priority priority = Priority::information);
+  void say_as_is(std::string text, Priority priority = Priority::information,
+                 Announcement::Place place = Announcement::Place::anywhere);
   /// Tells speech to become something, and says so.
   void control(Announcement::Control control, Phrase phrase);
+  /// How often something was said.
+  [[nodiscard]] std::size_t said() const { return said_; }
   [[nodiscard]] const Phrases& phrases() const { return phrases_; }
 
  private:
@@ -74,6 +77,7 @@ class Announcer {
   scene::ScenePointer scene_;
   Phrases phrases_;
   std::string last_;  // said
+  std::size_t said_ = 0;
   PartWatch parts_;
   std::optional<std::size_t> described_;  // that more can be told about
   bool unknown_ = false;

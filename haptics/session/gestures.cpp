@@ -63,6 +63,7 @@ std::optional<Gesture> gesture_of(const Request& request) {
     case Kind::guide:
       return Gesture::guide;
     case Kind::help:
+    case Kind::help_keys:
       return Gesture::help;
     default:
       return std::nullopt;

@@ -296,10 +296,15 @@ std::optional<WindowLoader::Job> Navigator::wish(const Request& request, const S
       bool& present = texture ? effects_.texture : effects_.friction;
       if (present == request.on) return std::nullopt;
       present = request.on;
+      const scene::SceneDescription& description = scene_->description();
       if (texture)
-        announcer_.say(request.on ? Phrase("texture_on") : Phrase("texture_off"));
+        announcer_.say(!description.has_envelope ? Phrase("texture_none")
+                       : request.on              ? Phrase("texture_on")
+                                                 : Phrase("texture_off"));
       else
-        announcer_.say(request.on ? Phrase("friction_on") : Phrase("friction_off"));
+        announcer_.say(!description.config.friction ? Phrase("friction_none")
+                       : request.on                 ? Phrase("friction_on")
+                                                    : Phrase("friction_off"));
       WindowPlan plan = plan_;
       plan.effects = effects_;
       return job(plan);

@@ -166,7 +166,7 @@ struct Session::Implementation {
     // Asked for once more, help becomes a tour.
     if (request.kind == Request::Kind::tour || now.time_s - helped_s < kHelpAgain_s) {
       helped_s = -kHelpAgain_s;
-      return tour.start(now.time_s, !scene->description().config.parts.empty());
+      return tour.start(now.time_s, !scene->description().config.parts.empty(), options.grip);
     }
     helped_s = now.time_s;
     announcer.say("help");

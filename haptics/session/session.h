@@ -31,6 +31,7 @@ struct SessionOptions {
   double longest_gap_s = 0.010;  ///< lateness that ends the force; longer only where no hand holds the device
   std::string language = "en";   ///< of what is announced; see set_speech()
   bool by_keys = false;          ///< keys move the hand: help says how, and heights are announced
+  bool grip = true;              ///< the hand holds a grip with buttons, which the tour teaches; else the keys
   bool speaks = false;           ///< announcements are spoken from the start: the first one says how to get help
 };
 

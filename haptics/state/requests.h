@@ -62,6 +62,9 @@ struct Announcement {
   Priority priority = Priority::information;
   std::uint64_t sequence = 0;  ///< counts from 1
   Control control = Control::none;
+  /// Of what the hand is at: the words are out of date when it is elsewhere.
+  enum class Place { anywhere, part, unmeasured, edge };
+  Place place = Place::anywhere;
 };
 
 /// Many writers, one reader; a mutex is fine, the servo never comes here.
@@ -89,9 +92,10 @@ class RequestQueue {
 class AnnouncementBoard {
  public:
   void say(std::string text, Announcement::Priority priority = Announcement::Priority::information,
-           Announcement::Control control = Announcement::Control::none) {
+           Announcement::Control control = Announcement::Control::none,
+           Announcement::Place place = Announcement::Place::anywhere) {
     const std::lock_guard lock(mutex_);
-    announcements_.push_back({std::move(text), priority, ++sequence_, control});
+    announcements_.push_back({std::move(text), priority, ++sequence_, control, place});
     if (announcements_.size() > kLimit) announcements_.pop_front();
   }
   /// Those newer than `seen`, oldest first.

@@ -168,6 +168,48 @@ TEST_F(Tour, IsOverInAMinuteAlsoForAHandThatDoesNothing) {
   EXPECT_EQ(said().size(), 6U);
 }
 
+TEST_F(Tour, OfAHandWithoutAGripIsOneOfKeys) {
+  tour_.start(0.0, true, false);
+  double t = 0.0;
+  for (const Gesture gesture : {Gesture::zoom_in, Gesture::zoom_out, Gesture::next_part, Gesture::describe})
+    tour_.watch({gesture}, t += 1.0);
+  EXPECT_FALSE(tour_.running());
+  const auto words = said();
+  ASSERT_EQ(words.size(), 5U);
+  for (const std::string& told : words)
+    for (const char* of_grip : {"grip", "button", "right", "left"})
+      EXPECT_EQ(told.find(of_grip), std::string::npos) << told;
+}
+
+TEST_F(Tour, DoesNotGoOnBetweenOtherWords) {
+  tour_.start(0.0, true);
+  for (double t = 0.0; t < 40.0; t += 2.0) {
+    announcer_.say("hand_down");
+    tour_.watch({}, t);
+  }
+  std::size_t of_tour = 0;
+  for (const std::string& words : said()) of_tour += words.find("button") != std::string::npos ? 1 : 0;
+  EXPECT_EQ(of_tour, 1U);
+  EXPECT_TRUE(tour_.running());
+  tour_.watch({Gesture::zoom_in}, 41.0);
+  EXPECT_EQ(said().back().rfind("Good.", 0), 0U) << "a step that is done goes on at once";
+  for (double t = 42.0; t < 110.0; t += 2.0) {
+    announcer_.say("hand_down");
+    tour_.watch({}, t);
+  }
+  EXPECT_FALSE(tour_.running());
+}
+
+TEST_F(Tour, EndsWhenTheVisitorAsksForHelpOrTheGuide) {
+  for (const Gesture asked : {Gesture::help, Gesture::guide}) {
+    tour_.start(0.0, true);
+    tour_.watch({asked}, 0.0);
+    EXPECT_TRUE(tour_.running()) << "the hold that began it";
+    tour_.watch({asked}, 1.0);
+    EXPECT_FALSE(tour_.running());
+  }
+}
+
 TEST_F(Tour, LeavesPartsOutWhereThereAreNone) {
   tour_.start(0.0, false);
   for (double t = 0.0; t < 60.0; t += 0.01) tour_.watch({}, t);
