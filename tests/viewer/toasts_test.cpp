@@ -21,6 +21,35 @@ TEST(Toasts, OfAScriptThatTheWindowDoesNotWriteAreNotShownAsQuestionMarks) {
   }
 }
 
+TEST(Toasts, OfAPlaceGoAtMostASecondAfterTheHandHasLeftIt) {
+  using haptics::Announcement;
+  for (const auto place : {Announcement::Place::part, Announcement::Place::unmeasured, Announcement::Place::edge}) {
+    Toasts toasts;
+    haptics::AnnouncementBoard board;
+    board.say("The face of the lion, which looks at the stairs", Announcement::Priority::information,
+              Announcement::Control::none, place);
+    board.say("Whole stone, 40 centimetres across");
+    bool there = true;
+    const auto count = [&](double time_s) {
+      return toasts
+          .update(time_s, &board,
+                  [&](const Announcement& shown) {
+                    EXPECT_EQ(shown.place, place);
+                    return there;
+                  })
+          .size();
+    };
+    EXPECT_EQ(count(0.0), 2U);
+    EXPECT_EQ(count(1.5), 2U);
+    there = false;
+    EXPECT_EQ(count(2.0), 2U);
+    EXPECT_EQ(count(2.4), 2U) << "a hand that shakes at a border is no reason to flicker";
+    EXPECT_EQ(count(2.51), 1U) << "the hand was last there at 1.5 s";
+    there = true;
+    EXPECT_EQ(count(2.6), 1U);
+  }
+}
+
 TEST(Toasts, NoTroubleStaysOnThePictureOfAnExhibitThatIsLeft) {
   Toasts toasts;
   haptics::AnnouncementBoard board;

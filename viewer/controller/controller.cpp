@@ -121,12 +121,14 @@ void Controller::update(double time_s, const haptics::State& state, int width, i
     if (boxes_[k].rect.contains(mouse_.x(), mouse_.y())) frame_.hovered = static_cast<int>(k);
   if (!scene_) return;
   stage_ = stage_of(scene_->description(), state);
-  frame_.part.clear();
-  if (state.tick != 0 && state.contact != 0) {
-    const scene::PartConfig* part = scene::part_at(scene_->description(), state.place_m);
-    if (part != nullptr) frame_.part = part->say.empty() ? part->name : part->say;
-  }
-  frame_.toasts = toasts_.update(time_s, connections_.announcements);
+  const scene::PartConfig* part = state.tick != 0 ? scene::part_at(scene_->description(), state.place_m) : nullptr;
+  const std::string said = part == nullptr ? std::string() : part->say.empty() ? part->name : part->say;
+  frame_.part = state.contact != 0 ? said : std::string();
+  frame_.toasts = toasts_.update(time_s, connections_.announcements, [&](const haptics::Announcement& announcement) {
+    using Place = haptics::Announcement::Place;
+    if (announcement.place == Place::part) return announcement.text == said;
+    return (state.flags & (announcement.place == Place::edge ? haptics::kFlagOutside : haptics::kFlagUnknownArea)) != 0;
+  });
   const Window now = window();
   wishes_.update(time_s, state, now);
   if (overview_waits_) go_to_overview(mouse_);

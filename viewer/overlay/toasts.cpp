@@ -19,7 +19,8 @@ bool is_trouble(const Announcement& announcement) {
 
 }  // namespace
 
-std::vector<Toast> Toasts::update(double time_s, const haptics::AnnouncementBoard* board) {
+std::vector<Toast> Toasts::update(double time_s, const haptics::AnnouncementBoard* board, const Holds& holds) {
+  constexpr double kLag_s = 1.0;
   std::vector<Announcement> fresh = std::exchange(own_, {});
   if (board != nullptr) {
     const std::vector<Announcement> said = board->since(seen_);
@@ -34,7 +35,13 @@ std::vector<Toast> Toasts::update(double time_s, const haptics::AnnouncementBoar
     if (announcement.priority == Announcement::Priority::fault) length_s *= 2.0;
     // What the viewer says is spoken by way of the board: the same words come back.
     std::erase_if(shown_, [&](const Shown& shown) { return shown.announcement.text == announcement.text; });
-    shown_.push_back({std::move(announcement), time_s + length_s, length_s});
+    shown_.push_back({std::move(announcement), time_s + length_s, length_s, time_s});
+  }
+  for (Shown& shown : shown_) {
+    if (!holds || shown.announcement.place == Announcement::Place::anywhere || holds(shown.announcement))
+      shown.held_s = time_s;
+    else
+      shown.until_s = std::min(shown.until_s, shown.held_s + kLag_s);
   }
   std::erase_if(shown_, [&](const Shown& shown) {
     return shown.until_s <= time_s || (faults_hidden_ && is_trouble(shown.announcement));
