@@ -79,6 +79,8 @@ struct Frame {
   bool asks_rescan = false;   ///< the question whether to scan again from this side is open
   bool can_rescan = false;
   std::string why_not_orient;                               ///< empty, or why the raw scans cannot be shown
+  bool has_texture = true;                                  ///< the scene has one that can be switched off
+  bool has_friction = true;                                 ///< the scene has a law of friction
   bool other_scenes = false;                                ///< there is another one to go to
   bool has_pointer = false;                                 ///< the mouse is the hand
   bool looks = false;                                       ///< the left button turns the picture, and is not the hand

@@ -16,6 +16,7 @@
 #include "pipeline/report/svg.h"
 #include "scene/folder/layer_file.h"
 #include "scene/scene.h"
+#include "scene/title.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -27,13 +28,6 @@ std::string percent(double fraction) {
   const bool near_all = value > 99.9 && value<100, near_none = value> 0 && value < 0.1;
   if (near_none && value < 0.01) return "under 0.01\u202F%";
   return fmt::format("{:.{}f}\u202F%", near_all ? std::floor(value * 100) / 100 : value, near_all || near_none ? 2 : 1);
-}
-
-std::string title_of(const scene::SceneDescription& scene) {
-  if (scene.sources.empty()) return "Untitled scan";
-  std::string title = scene.sources.front().file.stem().string();
-  if (scene.sources.size() > 1) title += fmt::format(" and {} more", scene.sources.size() - 1);
-  return title;
 }
 
 std::string size_text(const scene::SceneDescription& scene) {
@@ -386,7 +380,8 @@ std::string report_html(const scene::Scene& scene, const Report& report, const s
   const scene::SceneDescription& description = scene.description();
   std::size_t size = 1U << 16;
   for (const std::string& png : encoded) size += png.size() * 4 / 3;
-  const std::string title = escape_html(title_of(description));
+  const std::string known = scene::title_of(description);
+  const std::string title = known.empty() ? "Untitled scan" : escape_html(known);
   std::string html;
   html.reserve(size);
   html += page_head(title, "Scan report", lead(description, report)) + "<nav aria-label='Sections'><ul>";

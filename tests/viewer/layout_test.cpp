@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <string>
 #include <tuple>
 
@@ -110,6 +111,29 @@ TEST(Layout, ButtonsKeepTheirWholeLabelsInAWindowOf800By600) {
     const std::string label = info_of(action).label;
     EXPECT_TRUE(std::ranges::any_of(texts, [&](const DrawnText& text) { return text.words == label; })) << label;
   }
+}
+
+TEST(Layout, TextureAndFrictionThatASceneHasNotAreNeitherOnNorOff) {
+  const auto words_of = [](bool has) {
+    Studio studio(scene_of(lotus, {101, 101, 0.004, 3}, [&](scene::SceneDescription& description) {
+      description.config.friction.reset();
+      if (has) description.config.friction = scene::FrictionConfig{};
+    }));
+    EXPECT_EQ(studio.controller().frame().has_friction, has);
+    studio.controller().frame().has_texture = has;
+    haptics::State state = touching(*studio.picture().scene(), 0.2, 0.2, 0.01, 0.2, 0.2);
+    state.flags |= haptics::kFlagTexture | haptics::kFlagFriction;
+    state.contact = 0;
+    studio.shoot(state);
+    std::map<std::string, int> counts;
+    for (const DrawnText& text : studio.gui().texts()) ++counts[text.words];
+    return counts;
+  };
+  std::map<std::string, int> with = words_of(true), without = words_of(false);
+  EXPECT_EQ(with["on"], 2);
+  EXPECT_EQ(with["none"], 0);
+  EXPECT_EQ(without["on"], 0);
+  EXPECT_EQ(without["none"], 2);
 }
 
 TEST(Layout, NoWordsOfAnExhibitOverlapAtAnySize) {

@@ -47,8 +47,11 @@ void Controller::move_focus(int step) {
   frame_.focused = frame_.focused < 0 ? (step > 0 ? 0 : count - 1) : (frame_.focused + step + count) % count;
   const ActionInfo& info = info_of(list[static_cast<std::size_t>(frame_.focused)]);
   std::string value;
-  if (info.action == Action::texture) value = (frame_.state.flags & haptics::kFlagTexture) != 0 ? ", on" : ", off";
-  if (info.action == Action::friction) value = (frame_.state.flags & haptics::kFlagFriction) != 0 ? ", on" : ", off";
+  const auto state_of = [&](bool there, std::uint64_t flag) {
+    return !there ? ", none" : (frame_.state.flags & flag) != 0 ? ", on" : ", off";
+  };
+  if (info.action == Action::texture) value = state_of(frame_.has_texture, haptics::kFlagTexture);
+  if (info.action == Action::friction) value = state_of(frame_.has_friction, haptics::kFlagFriction);
   if (info.action == Action::colour) value = fmt::format(", {}", name_of(frame_.settings.colour));
   if (connections_.speak) connections_.speak(fmt::format("{}{}: {}", info.label, value, info.what));
 }

@@ -2,7 +2,6 @@
 #include "viewer/controller/controller.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -12,31 +11,9 @@
 #include "scene/area/regions.h"
 #include "scene/frame/workspace.h"
 #include "scene/scene.h"
+#include "scene/title.h"
 
 namespace sparsha::viewer {
-namespace {
-
-std::string title_of(const scene::Scene& scene) {
-  std::filesystem::path folder = scene.folder();
-  if (folder.filename().empty()) folder = folder.parent_path();
-  std::string name = folder.filename().string();
-  if (name.empty() || name == "scene") {
-    const auto& sources = scene.description().sources;
-    if (!sources.empty()) {
-      const std::filesystem::path file = sources.front().file;
-      // Several scans of one object lie in the object's folder.
-      name =
-          sources.size() > 1 && file.has_parent_path() ? file.parent_path().filename().string() : file.stem().string();
-    }
-  }
-  std::ranges::replace(name, '_', ' ');
-  std::ranges::replace(name, '-', ' ');
-  if (!name.empty()) name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[0])));
-  return name;
-}
-
-}  // namespace
-
 Controller::Controller(const Connections& connections, const ViewSettings& settings)
     : connections_(connections),
       wishes_(connections.requests),
@@ -58,7 +35,9 @@ void Controller::set_scene(scene::ScenePointer scene) {
   scene_ = std::move(scene);
   came_ = true;
   stage_ = stage_of(scene_->description());
-  frame_.title = title_of(*scene_);
+  frame_.title = scene::title_of(scene_->description(), scene_->folder());
+  frame_.has_texture = scene_->description().has_envelope;
+  frame_.has_friction = scene_->description().config.friction.has_value();
   frame_.why_not_orient = connections_.orienting.unavailable ? connections_.orienting.unavailable()
                                                              : "this scene was opened without its scans";
   orbit_.set_whole(is_whole(scene_->description()));

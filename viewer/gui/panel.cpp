@@ -190,10 +190,15 @@ void draw_figures(const Brush& brush, const Frame& frame, const scene::SceneDesc
   const auto on = [&](std::uint64_t bit) { return (state.flags & bit) != 0; };
   row("Level", fmt::format("{} of {}", state.level + 1, description.levels.size()), "Window",
       length_text(window.width_m, TextStyle::screen));
-  row("Texture", on(haptics::kFlagTexture) ? "on" : "off", "Friction",
-      !on(haptics::kFlagFriction) ? std::string("off")
-      : state.contact != 0        ? fmt::format("\xC2\xB5 {:.2f}", state.friction_coefficient)
-                                  : std::string("on"));
+  row("Texture",
+      !frame.has_texture          ? "none"
+      : on(haptics::kFlagTexture) ? "on"
+                                  : "off",
+      "Friction",
+      !frame.has_friction           ? std::string("none")
+      : !on(haptics::kFlagFriction) ? std::string("off")
+      : state.contact != 0          ? fmt::format("\xC2\xB5 {:.2f}", state.friction_coefficient)
+                                    : std::string("on"));
   if (on(haptics::kFlagImpact) || on(haptics::kFlagGrain))
     row("Strike", on(haptics::kFlagImpact) ? "invented" : "as measured", "Grain",
         on(haptics::kFlagGrain) ? std::string("invented") : std::string("as measured"));

@@ -16,9 +16,9 @@ namespace {
 bool is_on(const Frame& frame, Action action) {
   switch (action) {
     case Action::texture:
-      return frame.state.tick != 0 && (frame.state.flags & haptics::kFlagTexture) != 0;
+      return frame.state.tick != 0 && frame.has_texture && (frame.state.flags & haptics::kFlagTexture) != 0;
     case Action::friction:
-      return frame.state.tick != 0 && (frame.state.flags & haptics::kFlagFriction) != 0;
+      return frame.state.tick != 0 && frame.has_friction && (frame.state.flags & haptics::kFlagFriction) != 0;
     case Action::stereo:
       return frame.settings.stereo.on();
     case Action::mode:
@@ -28,6 +28,12 @@ bool is_on(const Frame& frame, Action action) {
     default:
       return false;
   }
+}
+
+/// What the scene does not have: its button is grey, and a press says why.
+bool is_absent(const Frame& frame, Action action) {
+  return (action == Action::orient && !frame.why_not_orient.empty()) ||
+         (action == Action::texture && !frame.has_texture) || (action == Action::friction && !frame.has_friction);
 }
 
 /// Lines no wider than `width`, broken at blanks.
@@ -65,7 +71,7 @@ void draw_button(const Brush& brush, const Frame& frame, const Rect& rect, const
     brush.list->AddRect(ImVec2(x - brush.px(2.0F), y - brush.px(2.0F)),
                         ImVec2(x + width + brush.px(2.0F), y + height + brush.px(2.0F)), IM_COL32(255, 255, 255, 255),
                         radius, 0, brush.px(3.0F));
-  const bool grey = info.action == Action::orient && !frame.why_not_orient.empty();
+  const bool grey = is_absent(frame, info.action);
   const ImU32 ink = on ? brush.theme.accent_text : grey ? brush.theme.dim : brush.theme.text;
   const float middle = y + 0.5F * (height - font->FontSize);
   if (!with_cap) {

@@ -147,7 +147,7 @@ TEST(Controller, FSixGoesThroughTheButtonsSpeaksAndEnterPresses) {
   const std::vector<Action> buttons = desk.controller->buttons();
   for (std::size_t k = 0; k < buttons.size(); ++k) desk.controller->press({key::kF1 + 5});
   EXPECT_EQ(desk.spoken.size(), buttons.size());
-  EXPECT_NE(desk.spoken[2].find("Texture, on"), std::string::npos) << desk.spoken[2];
+  EXPECT_NE(desk.spoken[2].find("Texture, none"), std::string::npos) << desk.spoken[2] << ": the scene has none";
   EXPECT_EQ(desk.controller->frame().focused, static_cast<int>(buttons.size()) - 1);
   desk.controller->press({key::kF1 + 5});
   EXPECT_EQ(desk.controller->frame().focused, 0);
