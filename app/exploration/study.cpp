@@ -8,11 +8,15 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
+#include <functional>
+#include <optional>
+#include <string>
 #include <string_view>
 
+#include "app/terminal/terminal.h"
 #include "base/error.h"
 #include "base/system.h"
+#include "base/system/terminal.h"
 #include "base/text/csv.h"
 
 namespace sparsha::app {
@@ -43,14 +47,24 @@ void check_study(const std::string& name) {
 }
 
 int ask_realism() {
+  if (!system::stdin_is_terminal() || told_to_end()) return 0;
+  const std::function<bool()> stop = interruption_from_now();
   for (int attempt = 0; attempt < 3; ++attempt) {
-    std::fputs("How real did it feel, from 1 (not at all) to 10 (like the object itself)? ", stderr);
-    std::string line;
-    if (!std::getline(std::cin, line)) return 0;
-    const std::string_view answer = csv::trimmed(line);
+    end_progress_line();
+    std::fputs("How real did it feel, from 1 (not at all) to 10 (like the object itself)? Enter skips the question. ",
+               stderr);
+    const std::optional<std::string> line = system::typed_line(stop);
+    if (!line) {
+      std::fputc('\n', stderr);
+      return 0;
+    }
+    const std::string_view answer = csv::trimmed(*line);
+    if (answer.empty()) return 0;
     int value = 0;
     const auto [end, code] = std::from_chars(answer.data(), answer.data() + answer.size(), value);
     if (code == std::errc{} && end == answer.data() + answer.size() && value >= 1 && value <= 10) return value;
+    print_error(
+        fmt::format("'{}' is no whole number from 1 to 10{}", answer, attempt == 2 ? "; no answer is kept" : ""));
   }
   return 0;
 }

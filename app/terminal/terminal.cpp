@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -21,12 +22,14 @@ namespace {
 
 std::atomic<Progress*> running{nullptr};
 std::atomic<bool> stop_asked{false};
+std::atomic<bool> other_than_key{false};
+std::atomic<unsigned> times_asked{0};
 std::atomic<bool> line_open{false};
 
 std::atomic<std::int64_t> asked_ms{0};  // when the program was asked to stop first
 
 static_assert(std::atomic<Progress*>::is_always_lock_free && std::atomic<bool>::is_always_lock_free &&
-              std::atomic<std::int64_t>::is_always_lock_free);
+              std::atomic<std::int64_t>::is_always_lock_free && std::atomic<unsigned>::is_always_lock_free);
 
 /// What was promised is finished however often the program is asked to stop. One that hangs can still be ended.
 constexpr std::int64_t kPatience_ms = 10'000;
@@ -36,7 +39,9 @@ std::int64_t now_ms() {
   return duration_cast<milliseconds>(steady_clock::now().time_since_epoch()).count();
 }
 
-void on_ending_signal() {
+void on_ending_signal(int number) {
+  ++times_asked;
+  if (number != SIGINT) other_than_key.store(true);
   std::int64_t first_ms = 0;
   if (!asked_ms.compare_exchange_strong(first_ms, now_ms()) && now_ms() - first_ms > kPatience_ms) {
     system::restore_terminal();
@@ -51,6 +56,13 @@ void on_ending_signal() {
 void catch_interrupts() { system::route_ending_signals(on_ending_signal); }
 
 bool interrupted() { return stop_asked.load(); }
+
+std::function<bool()> interruption_from_now() {
+  asked_ms.store(0);
+  return [before = times_asked.load()] { return times_asked.load() != before; };
+}
+
+bool told_to_end() { return other_than_key.load(); }
 
 void end_progress_line() {
   if (line_open.exchange(false)) std::fputc('\n', stderr);

@@ -1,6 +1,7 @@
 // What the user sees: progress on standard error, results on standard output, Ctrl-C.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -40,6 +41,10 @@ class Terminal {
 void catch_interrupts();
 /// True once the user asked to stop.
 [[nodiscard]] bool interrupted();
+/// For a question to the user: true once the user asks to stop after this call, with ten seconds of patience from then.
+[[nodiscard]] std::function<bool()> interruption_from_now();
+/// True once somebody asked to stop by another signal than Ctrl-C's: nobody is there to be asked anything.
+[[nodiscard]] bool told_to_end();
 /// Leaves an unfinished progress line.
 void end_progress_line();
 

@@ -16,14 +16,14 @@ namespace sparsha::system {
 #if defined(_WIN32)
 
 namespace {
-void (*asked_to_end)() = nullptr;
+void (*asked_to_end)(int) = nullptr;
 void on_ending(int number) {
   std::signal(number, on_ending);
-  asked_to_end();
+  asked_to_end(number);
 }
 }  // namespace
 
-void route_ending_signals(void (*asked)()) noexcept {
+void route_ending_signals(void (*asked)(int)) noexcept {
   asked_to_end = asked;
   for (const int number : {SIGINT, SIGTERM}) std::signal(number, on_ending);
 }
@@ -33,7 +33,7 @@ void open_standard_streams() noexcept {}
 
 namespace {
 
-void (*asked_to_end)() = nullptr;
+void (*asked_to_end)(int) = nullptr;
 
 sigset_t ending_signals() noexcept {
   sigset_t set;
@@ -42,11 +42,11 @@ sigset_t ending_signals() noexcept {
   return set;
 }
 
-void on_ending(int, siginfo_t*, void*) { asked_to_end(); }
+void on_ending(int number, siginfo_t*, void*) { asked_to_end(number); }
 
 // abort() is this program's own end; what others send asks for one.
 void on_abort(int number, siginfo_t* info, void*) {
-  if (info->si_pid != ::getpid()) return asked_to_end();
+  if (info->si_pid != ::getpid()) return asked_to_end(number);
   restore_terminal();
   std::signal(number, SIG_DFL);
   ::raise(number);  // on return: blocked while it is handled
@@ -67,7 +67,7 @@ bool is_ignored(int number) noexcept {
 
 }  // namespace
 
-void route_ending_signals(void (*asked)()) noexcept {
+void route_ending_signals(void (*asked)(int)) noexcept {
   asked_to_end = asked;
   for (const int number : kEndingSignals) {
     if (number == SIGHUP && is_ignored(number)) continue;

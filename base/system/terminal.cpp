@@ -8,6 +8,7 @@ TerminalInput::TerminalInput() = default;
 TerminalInput::~TerminalInput() = default;
 std::string TerminalInput::read() { return {}; }
 bool stdin_is_terminal() { return false; }
+std::optional<std::string> typed_line(const std::function<bool()>&) { return std::nullopt; }
 void restore_terminal() noexcept {}
 std::filesystem::path standard_output_file() { return {}; }
 
@@ -15,6 +16,7 @@ std::filesystem::path standard_output_file() { return {}; }
 
 #else
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -79,6 +81,28 @@ bool stdin_is_terminal() { return in_foreground(); }
 
 void restore_terminal() noexcept {
   if (changed.exchange(false) && in_foreground()) tcsetattr(STDIN_FILENO, TCSANOW, &before);
+}
+
+std::optional<std::string> typed_line(const std::function<bool()>& stop) {
+  if (!in_foreground()) return std::nullopt;
+  restore_terminal();
+  tcflush(STDIN_FILENO, TCIFLUSH);
+  constexpr int kWait_ms = 50;
+  constexpr std::size_t kMost = 4096;  // a terminal's own lines are no longer
+  std::array<char, 256> block{};
+  std::string line;
+  while (!stop()) {
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    const int ready = poll(&input, 1, kWait_ms);
+    if (ready == 0 || (ready < 0 && errno == EINTR)) continue;
+    const ssize_t got = ready < 0 ? -1 : ::read(STDIN_FILENO, block.data(), block.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) break;
+    line.append(block.data(), static_cast<std::size_t>(got));
+    const std::size_t end = line.find('\n');
+    if (end != std::string::npos || line.size() > kMost) return line.substr(0, std::min(end, kMost));
+  }
+  return std::nullopt;
 }
 
 TerminalInput::TerminalInput() {

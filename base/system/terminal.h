@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
 
 namespace sparsha::system {
@@ -34,6 +36,11 @@ class TerminalInput {
 
 /// Whether standard input is a terminal in whose foreground this program runs.
 [[nodiscard]] bool stdin_is_terminal();
+
+/// The next line that is typed, without its line feed, with the terminal as it was before any TerminalInput and without
+/// what was typed before the call. Nothing at the end of input, or once `stop`, asked twenty times a second, is true;
+/// nothing at once where standard input is no terminal of this program's.
+[[nodiscard]] std::optional<std::string> typed_line(const std::function<bool()>& stop);
 
 /// Gives the terminal back as it was; safe in a signal handler, harmless when nothing was changed.
 void restore_terminal() noexcept;

@@ -14,6 +14,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -134,7 +135,8 @@ class AtATerminal : public Program {
     ASSERT_GE(child_, 0);
     if (child_ == 0) {
       take_terminal();
-      become_program(scene, device);
+      if (studies_ && chdir(folder_.path().c_str()) != 0) _exit(126);
+      become_program(scene, device, studies_ ? "--study" : nullptr);
     }
     ASSERT_TRUE(shows("Whole stone")) << seen_;
     ASSERT_FALSE(same_as_before()) << "keys are read one by one";
@@ -225,11 +227,11 @@ class AtATerminal : public Program {
     for (const int stream : {0, 1, 2}) dup2(terminal, stream);
     for (const int other : {terminal, master_, kept_}) close(other);
   }
-  [[noreturn]] static void become_program(const std::string& scene, const char* device) {
+  [[noreturn]] static void become_program(const std::string& scene, const char* device, const char* study = nullptr) {
     unsetenv("DISPLAY");
     unsetenv("WAYLAND_DISPLAY");
     execl(SPARSHA_PROGRAM, SPARSHA_PROGRAM, "explore", scene.c_str(), "--headless", "--device", device, "--duration",
-          "1000", nullptr);
+          "1000", study, "visitors", nullptr);
     _exit(127);
   }
   [[nodiscard]] bool same_as_before() const {
@@ -245,6 +247,7 @@ class AtATerminal : public Program {
   std::string slave_;
   termios before_{};
   pid_t child_ = 0;
+  bool studies_ = false;
   pid_t shell_ = 0;  // the child's parent where it has one
   std::string seen_;
 };
@@ -260,6 +263,46 @@ TEST_F(AtATerminal, KeysExploreAndEveryAnnouncementIsALine) {
   type("q");
   EXPECT_EQ(exit_status(), 0);
   EXPECT_TRUE(same_as_before());
+}
+
+TEST_F(AtATerminal, TheQuestionOfAStudyIsAnsweredSkippedAndEndedAndKeepsItsRow) {
+  studies_ = true;
+  const std::string question = "Enter skips the question";
+  const auto ask = [&] {
+    seen_.clear();
+    start();
+    type("q");
+    ASSERT_TRUE(shows(question)) << seen_;
+    EXPECT_TRUE(same_as_before()) << "an answer is typed with echo";
+  };
+  ask();
+  type("eleven\n");
+  EXPECT_TRUE(shows("'eleven' is no whole number from 1 to 10")) << seen_;
+  type(" 7 \n");
+  EXPECT_EQ(exit_status(), 0);
+  ask();
+  type("\n");
+  EXPECT_EQ(exit_status(), 0);
+  ask();
+  type("\x03");
+  EXPECT_EQ(exit_status(), 0);
+  for (const int number : {SIGINT, SIGTERM, SIGQUIT, SIGHUP, SIGALRM, SIGUSR1}) {
+    ask();
+    ::kill(child_, number);
+    EXPECT_EQ(exit_status(), 0) << number;
+  }
+  seen_.clear();
+  start();
+  ::kill(child_, SIGTERM);
+  EXPECT_EQ(exit_status(), 0) << "nobody is there to be asked";
+  EXPECT_EQ(seen_.find(question), std::string::npos);
+  std::istringstream lines(text_of(folder_ / "visitors.csv"));
+  std::vector<std::string> realism;
+  for (std::string line; std::getline(lines, line);) realism.push_back(line.substr(0, line.find(',')));
+  std::vector<std::string> expected(11, "");
+  expected[0] = "realism";
+  expected[1] = "7";
+  EXPECT_EQ(realism, expected);
 }
 
 TEST_F(AtATerminal, IsAsItWasWhicheverWayTheProgramEnds) {

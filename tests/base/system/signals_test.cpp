@@ -16,7 +16,7 @@ namespace sparsha::system {
 namespace {
 
 volatile std::sig_atomic_t asked = 0;
-void count() { asked = asked + 1; }
+void count(int) { asked = asked + 1; }
 
 /// How a child ends that says when it is ready and is then sent `signal`; 0: nothing.
 int status_of(const std::function<int(const std::function<void()>& ready)>& work, int signal) {
