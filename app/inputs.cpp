@@ -7,8 +7,10 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "pipeline/scan/companions.h"
 #include "pipeline/scan/named_file.h"
 #include "pipeline/suggest/suggest.h"
+#include "scene/config/named_files.h"
 #include "scene/config/override.h"
 #include "scene/folder/folder.h"
 #include "scene/scene.h"
@@ -79,32 +81,69 @@ void warn_of_front_view(const scene::Scene& scene, const std::string& what, Prog
   progress.warn("the scene has the whole object; " + what + " uses its front view alone");
 }
 
-void check_outputs(const std::vector<NamedPath>& outputs, const std::string& argument,
-                   const std::vector<NamedPath>& inputs) {
+namespace {
+
+// Nothing for what cannot be read: that is said when it is opened, as bad input.
+std::vector<NamedPath> files_named_in(const fs::path& config, const std::vector<std::string>& settings) {
+  try {
+    return scene::named_files(scene::load_config(config, settings));
+  } catch (const Error&) {
+    return {};
+  }
+}
+
+/// Of whatever scene: also of one that was written from the scene in memory that is exported.
+void require_no_file_of_a_scene(const NamedPath& output) {
   std::error_code code;
-  std::vector<NamedPath> known = inputs;
-  known.push_back({"the input", argument});
-  const fs::path folder = fs::is_directory(argument, code)                             ? fs::path(argument)
-                          : fs::is_regular_file(argument, code) && is_config(argument) ? scene_described_by(argument)
-                                                                                       : fs::path();
-  if (!folder.empty()) {
-    for (const NamedPath& output : outputs) scene::require_no_scene_file(folder, output);
-  } else {
-    if (is_config(argument)) {
-      const scene::Config config = scene::load_config(argument);
-      for (const scene::ScanConfig& scan : config.scans) known.push_back({"a scan", scan.file});
-      if (config.audio) {
-        for (const scene::AudioRegionConfig& region : config.audio->regions) {
-          if (const auto* clip = std::get_if<fs::path>(&region.sound)) known.push_back({"a clip", *clip});
-        }
-        if (config.audio->labels) known.push_back({"the label image", config.audio->labels->file});
-      }
+  if (!fs::is_regular_file(output.path, code)) return;
+  const fs::path place = fs::canonical(output.path, code);
+  for (const fs::path& folder : {place.parent_path(), place.parent_path().parent_path()}) {
+    try {
+      if (fs::is_regular_file(folder / "scene.yaml", code) && !scene_described_by(folder / "scene.yaml").empty())
+        scene::require_no_scene_file(folder, output);
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::usage && error.place().file.empty()) throw;  // else a scene.yaml that is none
     }
   }
+}
+
+void require_harmless(const std::vector<NamedPath>& outputs, const std::vector<NamedPath>& known) {
   require_distinct(outputs, known);
   for (const NamedPath& output : outputs) {
-    if (!output.path.empty()) require_writable(output.path);
+    if (output.path.empty()) continue;
+    require_no_file_of_a_scene(output);
+    for (const NamedPath& input : known) {
+      if (!pipeline::has_ending_of_scan(input.path) || !pipeline::names_companion(input.path, output.path)) continue;
+      throw usage_error(
+          output.name + " " + output.path.string() + " is a file that the scan " + input.path.string() + " names",
+          "another name");
+    }
+    require_writable(output.path);
   }
+}
+
+}  // namespace
+
+void check_outputs(const std::vector<NamedPath>& outputs, const std::vector<std::string>& arguments,
+                   const std::vector<NamedPath>& inputs, const std::vector<std::string>& settings) {
+  std::error_code code;
+  std::vector<NamedPath> known = inputs;
+  for (const std::string& argument : arguments) {
+    known.push_back({"the input", argument});
+    const bool config = is_config(argument) && fs::is_regular_file(argument, code);
+    const fs::path folder = fs::is_directory(argument, code) ? fs::path(argument)
+                            : config                         ? scene_described_by(argument)
+                                                             : fs::path();
+    if (!folder.empty() || config) {
+      const auto named = files_named_in(folder.empty() ? fs::path(argument) : folder / "scene.yaml", settings);
+      known.insert(known.end(), named.begin(), named.end());
+    }
+  }
+  require_harmless(outputs, known);
+}
+
+void check_outputs(const std::vector<NamedPath>& outputs, const scene::Scene& scene) {
+  require_harmless(outputs, scene::named_files(scene.description().config));
 }
 
 std::uint64_t parse_bytes(const std::string& text) {

@@ -54,10 +54,13 @@ auto blaming_scans(const std::vector<std::string>& arguments, const std::vector<
 /// Says that a scene of a whole object is used as its front view alone; `what` names what does so.
 void warn_of_front_view(const scene::Scene& scene, const std::string& what, Progress& progress);
 
-/// Before the work: throws Error{usage} when outputs are the same file, or are the scene, configuration, scans or clips
-/// that `argument` means, or one of the other `inputs`; Error{failure} when one cannot be written.
-void check_outputs(const std::vector<NamedPath>& outputs, const std::string& argument,
-                   const std::vector<NamedPath>& inputs = {});
+/// Before the work: throws Error{usage} when outputs are the same file, or take the place of what `arguments` mean
+/// (scenes, a configuration, scans), of a scan, a clip, a picture or any other file that these name, or of one of the
+/// other `inputs`; Error{failure} when one cannot be written. `settings` are those of the configuration.
+void check_outputs(const std::vector<NamedPath>& outputs, const std::vector<std::string>& arguments,
+                   const std::vector<NamedPath>& inputs = {}, const std::vector<std::string>& settings = {});
+/// The same of a scene that is open.
+void check_outputs(const std::vector<NamedPath>& outputs, const scene::Scene& scene);
 
 /// "1GB", "800 MB", "123456": bytes. Throws Error{usage}.
 [[nodiscard]] std::uint64_t parse_bytes(const std::string& text);

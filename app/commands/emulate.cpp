@@ -167,7 +167,7 @@ class MadeFirmware {
 int run_emulate(const Arguments& arguments, const CommonOptions& common) {
   const bool haply = arguments.device == "haply";
   const Setting setting = haply ? Setting() : setting_of(arguments.faults);
-  check_outputs({{"--log", arguments.log}}, arguments.scene);
+  check_outputs({{"--log", arguments.log}}, {arguments.scene});
   Terminal terminal(common);
   emulator::PersonOptions person;
   person.weight_kg = arguments.weight_g * 1e-3;

@@ -7,6 +7,7 @@
 
 #include "app/commands/commands.h"
 #include "app/exploration/devices.h"
+#include "app/exploration/exhibits.h"
 #include "app/exploration/exploration.h"
 #include "app/exploration/explore_arguments.h"
 #include "app/exploration/study.h"
@@ -47,13 +48,12 @@ void check_arguments(const ExploreArguments& arguments) {
   check_study(arguments.study);
   const std::string playback = "playback:";
   const bool plays = arguments.device.starts_with(playback);
-  std::vector<NamedPath> inputs{{"--device", plays ? arguments.device.substr(playback.size()) : ""}};
-  for (const std::string& scan : arguments.scene) inputs.push_back({"the input", scan});
+  const std::vector<std::string> shown = arguments.scenes.empty() ? arguments.scene : scenes_in(arguments.scenes);
   check_outputs({{"--record", arguments.record},
                  {"--screenshot", arguments.screenshot},
                  {"--audio-out", arguments.audio_out},
                  {"--study", study_file(arguments.study)}},
-                arguments.scene.empty() ? arguments.scenes : arguments.scene.front(), inputs);
+                shown, {{"--device", plays ? arguments.device.substr(playback.size()) : ""}});
   if (std::isnan(arguments.duration_s)) throw usage_error("--duration nan", "seconds");
 }
 

@@ -177,7 +177,7 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
         Terminal terminal(common);
         check_outputs(
             {{"--to", arguments->file}, {"the legibility map of --to", pipeline::legibility_file_of(arguments->file)}},
-            arguments->scene);
+            {arguments->scene});
         const scene::ScenePointer scene = scene_from({arguments->scene}, common.trusted(), terminal.progress());
         if (!scene->description().charts || arguments->front)
           return make_replica(*scene, arguments->file, arguments->replica, common, terminal);
@@ -193,7 +193,7 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
       Terminal terminal(common);
       pipeline::check_export(arguments->file, arguments->nodes, arguments->haptics);
       check_outputs({{"--to", arguments->file}, {"the world file of --to", pipeline::world_file_of(arguments->file)}},
-                    arguments->scene);
+                    {arguments->scene});
       scene::ScenePointer scene = scene_from({arguments->scene}, common.trusted(), terminal.progress());
       if (arguments->unrolled) scene = laid_flat(std::move(scene));
       const bool whole = scene->description().charts && !arguments->front && !arguments->nodes;

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "app/commands/commands.h"
+#include "app/inputs.h"
 #include "app/terminal/terminal.h"
 #include "base/files/files.h"
 #include "base/system/terminal.h"
@@ -41,10 +42,7 @@ int write_first_configuration(const Arguments& arguments, const CommonOptions& c
     return 0;
   }
   if (!arguments.force) require_free(target);
-  std::vector<NamedPath> inputs;
-  for (const fs::path& file : files) inputs.push_back({"scan", file});
-  require_distinct({{"--out", target}}, inputs);
-  require_writable(target);
+  check_outputs({{"--out", target}}, arguments.scans);
   write_file(target, pipeline::suggest_config(files, target.parent_path(), terminal.progress(), options).yaml);
   return 0;
 }

@@ -109,7 +109,7 @@ int run_register(const Arguments& arguments, const CommonOptions& common) {
     throw usage_error("'" + arguments.config + "' is not a configuration",
                       "a CONFIG.yaml with two or more scans; `sparsha new SCAN...` writes a first one");
   }
-  check_outputs({{"--out", arguments.out}, {"--report", arguments.report}}, arguments.config);
+  check_outputs({{"--out", arguments.out}, {"--report", arguments.report}}, {arguments.config}, {}, arguments.settings);
   const scene::Config config =
       config_from({arguments.config}, arguments.settings, common.trusted(), terminal.progress());
   ThreadPool pool(arguments.threads);

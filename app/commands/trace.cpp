@@ -141,7 +141,7 @@ haptics::TraceResult trace_path(const scene::Scene& scene, const Arguments& argu
 int run_trace(const Arguments& arguments, const CommonOptions& common) {
   if (std::isnan(arguments.rho)) throw usage_error("--rho nan", "a number from 0.01 to 1");
   Terminal terminal(common);
-  check_outputs({{"--out", arguments.out}}, arguments.scene, {{"--hip", arguments.hip}});
+  check_outputs({{"--out", arguments.out}}, {arguments.scene}, {{"--hip", arguments.hip}});
   std::optional<haptics::Recording> recording;
   std::optional<haptics::RecordedScenes> kept;
   if (arguments.live) kept = kept_scenes_of(recording.emplace(arguments.hip), common, terminal);

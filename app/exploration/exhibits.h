@@ -11,6 +11,9 @@
 
 namespace sparsha::app {
 
+/// The folders in `folder` that hold a scene.yaml, by name. Throws Error{input} when there is no such folder.
+[[nodiscard]] std::vector<std::string> scenes_in(const std::string& folder);
+
 class Exhibits {
  public:
   /// None.

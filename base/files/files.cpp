@@ -7,7 +7,6 @@
 #include <array>
 #include <chrono>
 #include <fstream>
-#include <map>
 #include <random>
 #include <system_error>
 #include <utility>
@@ -189,19 +188,26 @@ void AtomicPath::commit() {
 void require_writable(const fs::path& target, AtomicPath::Kind kind) { const AtomicPath probe(target, kind); }
 
 void require_distinct(const std::vector<NamedPath>& outputs, const std::vector<NamedPath>& inputs) {
-  std::map<fs::path, std::string> seen;
-  const auto refuse = [](const NamedPath& path, const std::string& other) {
-    throw usage_error(path.name + " and " + other + " are the same file, " + path.path.string(),
-                      "different names: one would take the other's place");
+  struct Seen {
+    const NamedPath* path;
+    fs::path place;
   };
+  std::vector<Seen> seen;
   for (const NamedPath& input : inputs) {
-    if (!input.path.empty()) seen.emplace(resolved(input.path), input.name);
+    if (!input.path.empty()) seen.push_back({&input, resolved(input.path)});
   }
   for (const NamedPath& output : outputs) {
     std::error_code code;
     if (output.path.empty() || fs::is_character_file(output.path, code) || is_own_stream(output.path)) continue;
-    const auto [other, fresh] = seen.emplace(resolved(output.path), output.name);
-    if (!fresh) refuse(output, other->second);
+    const fs::path place = resolved(output.path);
+    const bool is_there = fs::is_regular_file(place, code);
+    for (const Seen& other : seen) {
+      // The second question is of hard links, and of systems that do not tell A from a.
+      if (place != other.place && !(is_there && fs::equivalent(place, other.place, code))) continue;
+      throw usage_error(output.name + " and " + other.path->name + " are the same file, " + output.path.string(),
+                        "different names: one would take the other's place");
+    }
+    seen.push_back({&output, place});
   }
 }
 

@@ -56,7 +56,8 @@ class AtomicPath {
 /// Throws as AtomicPath would; leaves nothing behind.
 void require_writable(const std::filesystem::path& target, AtomicPath::Kind kind = AtomicPath::Kind::file);
 /// Throws Error{usage} when two of these outputs, or an output and an input, are the same file, whatever they are
-/// called. Empty paths are none. Each has the name that messages use, e.g. "--record".
+/// called: also through symbolic and hard links. Empty paths are none. Each has the name that messages use, e.g.
+/// "--record".
 struct NamedPath {
   std::string name;
   std::filesystem::path path;

@@ -76,6 +76,14 @@ void write_simulation(const SimulationConfig& config, const std::filesystem::pat
                 "expected a folder that can be written to");
   }
 
+  // Names that nobody chose must not take the place of files that somebody did.
+  const bool old_simulation = std::filesystem::exists(out / kTruthName, code);
+  for (const std::string& name : output_names(config)) {
+    if (old_simulation || !std::filesystem::exists(out / name, code)) continue;
+    throw usage_error("the folder " + out.string() + " holds a " + name + " that is of no simulation",
+                      "another folder");
+  }
+
   // All are made before the work: a name that cannot be written is told at once.
   std::vector<std::unique_ptr<AtomicPath>> written;
   for (const std::string& name : output_names(config)) written.push_back(std::make_unique<AtomicPath>(out / name));
@@ -104,15 +112,8 @@ void write_simulation(const SimulationConfig& config, const std::filesystem::pat
 
 void simulate(const std::filesystem::path& config, const std::filesystem::path& out, Progress& progress) {
   const SimulationConfig simulation = parse_simulation(yaml::parse_file(config));
-  std::error_code code;
-  const bool old_simulation = std::filesystem::exists(out / kTruthName, code);
-  for (const std::string& name : output_names(simulation)) {
+  for (const std::string& name : output_names(simulation))
     require_distinct({{"--out", out / name}}, {{"the configuration", config}});
-    // Names that nobody chose must not take the place of files that somebody did.
-    if (old_simulation || !std::filesystem::exists(out / name, code)) continue;
-    throw usage_error("the folder " + out.string() + " holds a " + name + " that is of no simulation",
-                      "another folder");
-  }
   write_simulation(simulation, out, progress);
 }
 

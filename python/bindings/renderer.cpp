@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/inputs.h"
 #include "base/error.h"
 #include "haptics/replay/around_trace.h"
 #include "haptics/replay/unrolled_trace.h"
@@ -25,7 +26,9 @@ namespace py = pybind11;
 
 namespace {
 
-using Trace = haptics::TraceResult;
+struct Trace : haptics::TraceResult {
+  BuiltPointer touched;  ///< the scene, or null
+};
 
 constexpr py::ssize_t kMostNodes = 32768;  // of heights in one direction
 
@@ -190,7 +193,7 @@ std::vector<haptics::HipSample> samples_of(const py::object& path, const py::obj
 }
 
 /// What `renderer` is made of does not change, so that it may be read without the interpreter's lock.
-Trace traced(const Renderer& renderer, std::vector<haptics::HipSample>& samples, Progress& progress) {
+haptics::TraceResult traced(const Renderer& renderer, std::vector<haptics::HipSample>& samples, Progress& progress) {
   progress.begin("trace");
   const scene::HapticsConfig& config = renderer.haptics;
   const haptics::SolverOptions& options = renderer.options;
@@ -210,7 +213,8 @@ Trace traced(const Renderer& renderer, std::vector<haptics::HipSample>& samples,
 std::shared_ptr<Trace> trace(const Renderer& renderer, const py::object& path, const py::object& time, double rate_hz,
                              const py::object& progress) {
   std::vector<haptics::HipSample> samples = samples_of(path, time, rate_hz);
-  return std::make_shared<Trace>(run(progress, [&](Progress& told) { return traced(renderer, samples, told); }));
+  return std::make_shared<Trace>(
+      Trace{run(progress, [&](Progress& told) { return traced(renderer, samples, told); }), renderer.scene});
 }
 
 constexpr auto kRow = static_cast<py::ssize_t>(sizeof(haptics::TraceRow));
@@ -280,6 +284,7 @@ frame of its scans in that; forces newtons.)");
           "save",
           [](const Trace& t, const py::object& file, const py::object& progress) {
             const std::string path = path_of(file, "file");
+            if (t.touched) app::check_outputs({{"the file", path}}, *t.touched->scene);
             run(progress, [&](Progress& told) {
               told.begin("write");
               haptics::write_trace(path, t, &told);

@@ -164,8 +164,12 @@ py::dict export_scene(const BuiltScene& built, const py::object& to, bool nodes,
   const std::string file = path_of(to, "file");
   if (holes != "close" && holes != "leave") throw usage_error("holes is '" + holes + "'", "'close' or 'leave'");
   const bool whole = built.scene->description().charts != nullptr && !front;
-  if (pipeline::is_replica(file)) return export_replica(built, file, size_mm, whole, progress);
+  if (pipeline::is_replica(file)) {
+    app::check_outputs({{"the file", file}, {"the legibility map", pipeline::legibility_file_of(file)}}, *built.scene);
+    return export_replica(built, file, size_mm, whole, progress);
+  }
   pipeline::check_export(file, nodes, haptics);
+  app::check_outputs({{"the file", file}, {"the world file", pipeline::world_file_of(file)}}, *built.scene);
   if (!whole || nodes || haptics || !pipeline::is_mesh(file)) {
     run(progress, [&](Progress& told) {
       pipeline::export_scene(*built.scene, file, nodes, told, haptics);

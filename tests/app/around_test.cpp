@@ -111,7 +111,7 @@ TEST_F(Program, ExportsOneClosedMeshOfAWholeObject) {
   // The front view is a mesh of its own, by choice.
   EXPECT_EQ(run(to("front.ply") + "--front").code, 0);
   EXPECT_NE(text_of(folder_ / "front.ply"), text_of(folder_ / "ball.ply"));
-  EXPECT_THAT(run(to("ball.xyz")).err, HasSubstr("front view"));
+  EXPECT_THAT(run(to("points.xyz")).err, HasSubstr("front view"));
   EXPECT_EQ(run(to("ball.tif") + "--holes leave").code, 2);
   EXPECT_EQ(run(to("ball.glb") + "--haptics").code, 2);
 }

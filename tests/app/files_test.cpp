@@ -156,6 +156,49 @@ TEST_F(Files, OutputsThatAreOneFileOrAnInputAreRefusedBeforeAnyWork) {
   EXPECT_THAT(text_of(folder_ / "path.csv"), HasSubstr("0,0.1,0.1,0"));
 }
 
+TEST_F(Files, NoOutputTakesThePlaceOfAScanOrAFileThatTheSceneNames) {
+  write("statue.ply", kTetrahedron);
+  write("statue.yaml", "scans: [{file: statue.ply}]\ngrid: {size: 20}\n");
+  ASSERT_EQ(run("build statue.yaml --out scene --quiet").code, 0);
+  write("path.csv", "t_s,x_m,y_m,z_m\n0,0.1,0.1,0\n");
+  fs::create_hard_link(folder_ / "statue.ply", folder_ / "hard.ply");
+  fs::create_hard_link(folder_ / "statue.ply", folder_ / "hard.csv");
+  fs::create_directories(folder_ / "exhibition");
+  ASSERT_EQ(run("build statue.yaml --out exhibition/one --quiet").code, 0);
+  const std::string explore = " --device simulated --headless --duration 0.2 ";
+  for (const std::string& arguments :
+       {std::string("export scene --to statue.ply"), std::string("export scene/scene.yaml --to ./scene/../statue.ply"),
+        std::string("export scene --to hard.ply"), std::string("trace scene --hip path.csv --out statue.ply"),
+        std::string("trace scene --hip path.csv --out hard.csv"), "explore scene" + explore + "--record statue.ply",
+        "explore scene" + explore + "--audio-out statue.ply", "explore scene" + explore + "--screenshot statue.ply",
+        "explore statue.yaml" + explore + "--screenshot statue.yaml",
+        "explore --kiosk --scenes exhibition" + explore + "--record statue.ply",
+        std::string("register statue.yaml --out statue.ply"),
+        std::string("register statue.yaml --set scans=[{\\\"file\\\":\\\"path.csv\\\"}] --report path.csv"),
+        std::string("new statue.ply --force --out hard.ply")}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("are the same file")) << arguments;
+  }
+  EXPECT_EQ(text_of(folder_ / "statue.ply"), kTetrahedron);
+  EXPECT_EQ(run("export scene --to replica.ply --quiet").code, 0);
+}
+
+TEST_F(Files, NoOutputTakesThePlaceOfAPictureOrALibraryThatAScanNames) {
+  write("statue.obj", "mtllib statue.mtl\nusemtl stone\nv 0 0 0\nv 1 0 0.1\nv 0 1 0.2\nv 1 1 0\nf 1 2 3\nf 2 4 3\n");
+  write("statue.mtl", "newmtl stone\nmap_Kd stone.png\n");
+  write("stone.png", "somebody's picture");
+  ASSERT_EQ(run("build statue.obj --set grid.size=20 --out scene --quiet").code, 0);
+  for (const char* arguments : {"export scene --to stone.png", "export statue.obj --to stone.png",
+                                "explore scene --device simulated --headless --duration 0.2 --record statue.mtl"}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("is a file that the scan")) << arguments;
+  }
+  EXPECT_EQ(text_of(folder_ / "stone.png"), "somebody's picture");
+  EXPECT_EQ(run("export scene --to other.png --quiet").code, 0);
+}
+
 TEST_F(Files, SimulateTakesThePlaceOfNothingButAnOldSimulation) {
   fs::create_directories(folder_ / "d");
   write("d/sparsha.yaml", kSimulation);

@@ -186,6 +186,11 @@ TEST_F(Files, NamesOfOneFileAreToldApartFromNamesOfTwo) {
   EXPECT_TRUE(same(folder_ / "out" / "a", folder_ / "link" / "a"));
   EXPECT_TRUE(same(folder_ / "out" / "a", folder_ / "out" / "." / ".." / "out" / "a"));
   EXPECT_FALSE(same(folder_ / "out" / "a", folder_ / "out" / "b"));
+  write_file(folder_ / "out" / "scan", "points");
+  fs::create_hard_link(folder_ / "out" / "scan", folder_ / "out" / "hard");
+  write_file(folder_ / "out" / "twin", "points");
+  EXPECT_TRUE(same(folder_ / "out" / "scan", folder_ / "link" / "hard"));
+  EXPECT_FALSE(same(folder_ / "out" / "scan", folder_ / "out" / "twin"));
   EXPECT_FALSE(same({}, {}));
   EXPECT_FALSE(same("/dev/null", "/dev/null"));
   EXPECT_THROW(require_distinct({{"--out", folder_ / "link" / "a"}}, {{"--hip", folder_ / "out" / "a"}}), Error);

@@ -1,4 +1,5 @@
 """Registration, simulation, export and the second opinion on forces, from Python."""
+import os
 import pathlib
 import subprocess
 import sys
@@ -38,6 +39,28 @@ class Stages(unittest.TestCase):
             sparsha.register([sparsha.Cloud(points)])
         with self.assertRaises(sparsha.UsageError):
             sparsha.register([sparsha.Cloud(points), sparsha.Cloud(moved)], metod="icp")
+
+    def test_no_output_takes_the_place_of_a_scan(self):
+        simulation = {"nodes": 32, "sampler": {}, "surface": {"form": "plane", "size_m": [0.2, 0.2]}}
+        sparsha.simulate(simulation, self.folder / "sim")
+        scan = self.folder / "sim/scan.ply"
+        points = scan.read_bytes()
+        scene = sparsha.build(scan, grid={"size": 32}, out=self.folder / "scene")
+        os.link(scan, self.folder / "hard.csv")
+        trace = sparsha.Renderer(scene).trace(np.array([[0.1, 0.1, -0.001]]))
+        for opened in (scene, sparsha.open(self.folder / "scene")):
+            for output in (lambda: sparsha.export(opened, scan),
+                           lambda: sparsha.export(opened, self.folder / "scene/level-0/height.tif"),
+                           lambda: trace.save(scan), lambda: trace.save(self.folder / "hard.csv")):
+                with self.assertRaises(sparsha.UsageError):
+                    output()
+        other = self.folder / "mine"
+        other.mkdir()
+        (other / "scan.ply").write_text("mine")
+        with self.assertRaises(sparsha.UsageError):
+            sparsha.simulate(simulation, other)
+        self.assertEqual((other / "scan.ply").read_text(), "mine")
+        self.assertEqual(scan.read_bytes(), points)
 
     def test_a_simulated_scan_is_built_and_exported_where_its_truth_is(self):
         sparsha.simulate({"seed": 3, "nodes": 96, "noise_mm": 0, "sampler": {},
