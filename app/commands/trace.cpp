@@ -72,7 +72,8 @@ bool traces_whole_object(const scene::Scene& scene, const Arguments& arguments) 
 }
 
 haptics::TraceResult trace_whole_object(const scene::Scene& scene, const Arguments& arguments,
-                                        const scene::HapticsConfig& haptics, const haptics::SolverOptions& options) {
+                                        const scene::HapticsConfig& haptics, const haptics::SolverOptions& options,
+                                        Progress& progress) {
   const auto refuse = [](const char* what) {
     throw usage_error(std::string(what) + " is not there for whole objects yet",
                       "without it, or --frame grid for the front view");
@@ -84,27 +85,34 @@ haptics::TraceResult trace_whole_object(const scene::Scene& scene, const Argumen
     throw usage_error("the sheets of this scene have no envelope for --no-texture",
                       "a scene built with a block 'texture', or without the option");
   const auto object = haptics::whole_object(scene.description(), {!arguments.no_texture, !arguments.no_friction});
-  return haptics::trace_around(*object, haptics::read_hip_path(arguments.hip), scene.description().scan_from_grid,
-                               haptics, options);
+  return haptics::trace_around(*object, haptics::read_hip_path(arguments.hip, &progress),
+                               scene.description().scan_from_grid, haptics, options);
 }
 
 nlohmann::ordered_json summary_json(const haptics::TraceSummary& s) {
-  nlohmann::ordered_json json{
-      {"updates", s.updates},
-      {"contacts", s.contacts},
-      {"ns",
-       {{"p50", s.ns_p50},
-        {"p99", s.ns_p99},
-        {"p999", s.ns_p999},
-        {"max", s.ns_max},
-        {"mean", s.ns_mean},
-        {"timer_overhead", s.timer_overhead_ns}}},
-      {"residual_cells", {{"p99", s.residual_cells_p99}, {"max", s.residual_cells_max}}},
-      {"below_surface", s.below_surface},
-      {"not_a_number", s.not_a_number},
-      {"unfinished", s.unfinished},
-      {"path",
-       {{"not_a_number", s.path.not_a_number}, {"same_time", s.path.same_time}, {"backwards", s.path.backwards}}}};
+  nlohmann::ordered_json json{{"updates", s.updates},
+                              {"contacts", s.contacts},
+                              {"ns",
+                               {{"p50", s.ns_p50},
+                                {"p99", s.ns_p99},
+                                {"p999", s.ns_p999},
+                                {"max", s.ns_max},
+                                {"mean", s.ns_mean},
+                                {"timer_overhead", s.timer_overhead_ns}}},
+                              {"residual_cells", {{"p99", s.residual_cells_p99}, {"max", s.residual_cells_max}}},
+                              {"below_surface", s.below_surface},
+                              {"not_a_number", s.not_a_number},
+                              {"unfinished", s.unfinished},
+                              {"path",
+                               {{"not_a_number", s.path.not_a_number},
+                                {"same_time", s.path.same_time},
+                                {"backwards", s.path.backwards},
+                                {"outside", s.path.outside},
+                                {"outside_in_contact", s.path.outside_in_contact},
+                                {"outside_m", s.path.outside_m},
+                                {"impossible_force", s.path.impossible_force}}},
+                              {"largest_force_n", s.path.largest_force_n},
+                              {"deepest_m", s.path.deepest_m}};
   if (s.around)
     json["around"] = {{"sheets", s.around->sheets},
                       {"touched", s.around->touched},
@@ -125,15 +133,16 @@ std::string doubt_of(const scene::Scene& scene, int level) {
 }
 
 haptics::TraceResult trace_path(const scene::Scene& scene, const Arguments& arguments,
-                                const scene::HapticsConfig& haptics, const haptics::SolverOptions& options) {
+                                const scene::HapticsConfig& haptics, const haptics::SolverOptions& options,
+                                Progress& progress) {
   if (scene.description().config.unroll && arguments.frame == "scan") {
     if (arguments.level >= 0 || !arguments.centre.empty())
       throw usage_error("a window (--level, --centre) has no scan frame on an unrolled object", "--frame grid with it");
-    return haptics::trace_unrolled(scene, haptics::read_hip_path(arguments.hip), surface_options(arguments), haptics,
-                                   options);
+    return haptics::trace_unrolled(scene, haptics::read_hip_path(arguments.hip, &progress), surface_options(arguments),
+                                   haptics, options);
   }
   const auto surface = haptics::traced_surface(scene, part_of(arguments));
-  std::vector<haptics::HipSample> path = haptics::read_hip_path(arguments.hip);
+  std::vector<haptics::HipSample> path = haptics::read_hip_path(arguments.hip, &progress);
   haptics::to_grid_frame(path, frame_of(arguments.frame), scene.description(), *surface);
   return haptics::trace(*surface, path, haptics, options);
 }
@@ -158,8 +167,8 @@ int run_trace(const Arguments& arguments, const CommonOptions& common) {
   if (arguments.creases == "rounded") options.shape = haptics::CellShape::rounded;
   const haptics::TraceResult result =
       recording ? trace_recording(kept.value_or(haptics::RecordedScenes(scene)), *recording, haptics, options)
-      : around  ? trace_whole_object(*scene, arguments, haptics, options)
-                : trace_path(*scene, arguments, haptics, options);
+      : around  ? trace_whole_object(*scene, arguments, haptics, options, terminal.progress())
+                : trace_path(*scene, arguments, haptics, options, terminal.progress());
   haptics::write_trace(arguments.out, result);
   if (const std::string doubt = around ? std::string() : doubt_of(*scene, std::max(arguments.level, 0)); !doubt.empty())
     terminal.progress().warn(doubt);

@@ -1,5 +1,7 @@
 #include "haptics/replay/trace.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -11,6 +13,7 @@
 #include "base/files/files.h"
 #include "base/numbers/statistics.h"
 #include "base/text/csv.h"
+#include "base/text/text.h"
 #include "base/threads/progress.h"
 #include "haptics/proxy/rest_residual.h"
 
@@ -51,10 +54,19 @@ void summarise_times(const std::vector<TraceRow>& rows, TraceSummary& summary) {
   summary.ns_mean = sum / static_cast<double>(times.size());
 }
 
+std::string rows_text(std::uint64_t count) { return std::to_string(count) + (count == 1 ? " row" : " rows"); }
+
 std::string doubt_of(std::uint64_t count, std::uint64_t first, std::string_view what) {
-  const bool one = count == 1;
-  return std::to_string(count) + (one ? " row" : " rows") + " of the hand's path " + std::string(what) +
-         (one ? " (row " : " (first: row ") + std::to_string(first) + " below the header)";
+  return rows_text(count) + " of the hand's path " + std::string(what) + (count == 1 ? " (row " : " (first: row ") +
+         std::to_string(first) + " below the header)";
+}
+
+/// From the surface's rectangle, in its plane; 0 within and where the hand is nowhere.
+double distance_beside(const MongeSurface& surface, const Eigen::Vector3d& hip_local_m) {
+  const auto beyond = [](double at, double end) { return std::max({0.0, -at, at - end}); };
+  const double distance_m =
+      std::hypot(beyond(hip_local_m.x(), surface.width_m()), beyond(hip_local_m.y(), surface.depth_m()));
+  return std::isfinite(distance_m) ? distance_m : 0.0;
 }
 
 /// Between two rows: tells the share that is done. Throws Cancelled.
@@ -74,6 +86,19 @@ std::vector<std::string> sentences(const PathDoubts& doubts) {
       "have times or positions that are not numbers");
   say(doubts.same_time, doubts.first_same_time, "has the time of the row before", "have the time of the row before");
   say(doubts.backwards, doubts.first_backwards, "is earlier than a row before", "are earlier than a row before");
+  if (doubts.outside > 0)
+    all.push_back(doubt_of(
+        doubts.outside, doubts.first_outside,
+        fmt::format("{} beside the scene, by up to {}, and {} of them in contact with the level "
+                    "ground that goes on from its border: are these metres, in the frame that was "
+                    "said?",
+                    doubts.outside == 1 ? "is" : "are", length_text(doubts.outside_m), doubts.outside_in_contact)));
+  if (doubts.impossible_force > 0)
+    all.push_back(
+        fmt::format("{} of the path {} forces above {:.0f} N, which no device gives: up to {:.4g} N, with "
+                    "the hand {} from where it is held; are these metres, in the frame that was said?",
+                    rows_text(doubts.impossible_force), doubts.impossible_force == 1 ? "has" : "have",
+                    kImpossibleForce_n, doubts.largest_force_n, length_text(doubts.deepest_m)));
   return all;
 }
 
@@ -110,10 +135,22 @@ void TraceRecorder::doubt(const TraceRow& row) {
     if (rows++ == 0) first = result_.rows.size();
   };
   if (!std::isfinite(row.t_s) || !row.hip_m.allFinite()) count(path.not_a_number, path.first_not_a_number);
+  if (const double force_n = row.force_n.norm(); row.contact && std::isfinite(force_n)) {
+    path.largest_force_n = std::max(path.largest_force_n, force_n);
+    path.deepest_m = std::max(path.deepest_m, (row.proxy_m - row.hip_m).norm());
+    if (force_n > kImpossibleForce_n) ++path.impossible_force;
+  }
   if (!std::isfinite(row.t_s)) return;
   if (row.t_s == latest_s_) count(path.same_time, path.first_same_time);
   if (row.t_s < latest_s_) count(path.backwards, path.first_backwards);
   latest_s_ = std::max(latest_s_, row.t_s);
+}
+
+void TraceRecorder::outside(double distance_m) {
+  PathDoubts& path = result_.summary.path;
+  if (path.outside++ == 0) path.first_outside = result_.rows.size();
+  if (result_.rows.back().contact) ++path.outside_in_contact;
+  path.outside_m = std::max(path.outside_m, distance_m);
 }
 
 TraceResult TraceRecorder::finish() && {
@@ -157,6 +194,8 @@ TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& pat
     row.tick_ns = elapsed_ns;
     row.level = surface.level;
     recorder.add(row, surface, update, hip, paper ? CellShape::bilinear : options.shape);
+    if (const double beside_m = distance_beside(surface, hip); beside_m > surface.lattice.spacing_m)
+      recorder.outside(beside_m);
   }
   return std::move(recorder).finish();
 }

@@ -25,8 +25,9 @@ struct HipSample {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
 };
 
-/// Reads path.csv (t_s,x_m,y_m,z_m) or the HIP columns of a run.csv. Throws Error{input} with file and line.
-[[nodiscard]] std::vector<HipSample> read_hip_path(const std::filesystem::path& file);
+/// Reads path.csv (t_s,x_m,y_m,z_m) or the HIP columns of a run.csv. A last row that ends in its middle is left out,
+/// as in a playback, and `progress` is warned of it. Throws Error{input} with file and line.
+[[nodiscard]] std::vector<HipSample> read_hip_path(const std::filesystem::path& file, Progress* progress = nullptr);
 
 /// One row of trace.csv; grid frame, force in the device frame.
 struct TraceRow {
@@ -38,12 +39,22 @@ struct TraceRow {
   std::int64_t sheet = -1;  ///< of a whole object, that the proxy lies on; -1: none
 };
 
-/// Rows of a path that say nothing, or nothing new, of where the hand was. All are rendered as they stand.
+/// More than any desktop device gives, newtons: a spring that long is a path in other units or another frame.
+inline constexpr double kImpossibleForce_n = 50.0;
+
+/// Rows of a path that say nothing, or nothing new, of where the hand was, or that it was where no hand can be. All are
+/// rendered as they stand.
 struct PathDoubts {
   std::uint64_t not_a_number = 0;  ///< time or position is NaN or infinite
   std::uint64_t same_time = 0;     ///< the time of the row before
   std::uint64_t backwards = 0;     ///< earlier than a row before
   std::uint64_t first_not_a_number = 0, first_same_time = 0, first_backwards = 0;  ///< row, 1 below the header; 0: none
+  /// More than a cell beside the surface, which goes on level there (MongeSurface); of a whole object nothing is.
+  std::uint64_t outside = 0, outside_in_contact = 0, first_outside = 0;
+  double outside_m = 0.0;              ///< the farthest of them, beyond the border
+  std::uint64_t impossible_force = 0;  ///< above kImpossibleForce_n
+  double largest_force_n = 0.0;        ///< of all rows
+  double deepest_m = 0.0;              ///< from hand to proxy, of all rows in contact
 };
 
 /// One sentence for each kind of doubtful rows, with their count and the first; empty for a path without them.
@@ -90,6 +101,8 @@ class TraceRecorder {
            const Eigen::Vector3d& hip_local_m, CellShape shape);
   /// The same without a rest to be judged: the proxy is free, or in a crease between two surfaces.
   void add(TraceRow row, bool unfinished);
+  /// That the hand of the row that was added last is so far beside the surface.
+  void outside(double distance_m);
   [[nodiscard]] TraceResult finish() &&;
 
  private:

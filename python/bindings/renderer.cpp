@@ -213,8 +213,14 @@ haptics::TraceResult traced(const Renderer& renderer, std::vector<haptics::HipSa
 std::shared_ptr<Trace> trace(const Renderer& renderer, const py::object& path, const py::object& time, double rate_hz,
                              const py::object& progress) {
   std::vector<haptics::HipSample> samples = samples_of(path, time, rate_hz);
-  return std::make_shared<Trace>(
-      Trace{run(progress, [&](Progress& told) { return traced(renderer, samples, told); }), renderer.scene});
+  return std::make_shared<Trace>(Trace{run(progress,
+                                           [&](Progress& told) {
+                                             haptics::TraceResult result = traced(renderer, samples, told);
+                                             for (const std::string& doubt : haptics::sentences(result.summary.path))
+                                               told.warn(doubt);
+                                             return result;
+                                           }),
+                                       renderer.scene});
 }
 
 constexpr auto kRow = static_cast<py::ssize_t>(sizeof(haptics::TraceRow));
@@ -239,6 +245,9 @@ py::dict summary(const Trace& trace) {
   told["below_surface"] = s.below_surface;
   told["not_a_number"] = s.not_a_number;
   told["unfinished"] = s.unfinished;
+  told["outside"] = s.path.outside;
+  told["outside_m"] = s.path.outside_m;
+  told["largest_force_n"] = s.path.largest_force_n;
   told["ns_median"] = s.ns_p50;
   told["ns_p99"] = s.ns_p99;
   told["ns_max"] = s.ns_max;

@@ -127,6 +127,55 @@ TEST_F(TraceFiles, NamesFileAndLineOfWhatIsWrongInAPath) {
   EXPECT_NE(message_of(folder_ / "missing.csv").find("missing.csv"), std::string::npos);
 }
 
+TEST_F(TraceFiles, SaysOfAHeaderWhatKeepsItFromBeingOne) {
+  const auto says = [&](const std::string& header, const std::string& what) {
+    EXPECT_NE(message_of(write("h.csv", header + "\n0,1,2,3\n")).find(what), std::string::npos) << header;
+  };
+  says("t_s;x_m;y_m;z_m", "semicolons");
+  says("t_s\tx_m\ty_m\tz_m", "tabs");
+  says("\"t_s\",\"x_m\",\"y_m\",\"z_m\"", "quotes");
+  says("T_S,X_M,Y_M,Z_M", "capital letters");
+  says("0,1,2,3", "no header");
+  says("t_s,x_m,y_m,z_m,x_m", "x_m twice");
+  says("t_s,hip_x_m,hip_y_m,hip_z_m,t_s", "t_s twice");
+}
+
+TEST_F(TraceFiles, ALastRowThatIsCutIsLeftOutAndSaid) {
+  std::vector<std::string> told;
+  Progress progress([&](const ProgressUpdate& update) { told.emplace_back(update.text); });
+  EXPECT_EQ(read_hip_path(write("a.csv", "t_s,x_m,y_m,z_m\n0,1,2,3\n1,2,3"), &progress).size(), 1U);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_NE(told[0].find("in the middle of a row"), std::string::npos);
+  EXPECT_EQ(read_hip_path(write("b.csv", "t_s,x_m,y_m,z_m\n0,1,2,3\n1,2,3,4"), &progress).size(), 2U);
+  EXPECT_EQ(told.size(), 1U) << "whole without a line feed";
+  EXPECT_NE(message_of(write("c.csv", "t_s,x_m,y_m,z_m\n0,1,2,3\n1,2,3\n")).find("c.csv:3"), std::string::npos);
+}
+
+TEST_F(TraceFiles, RowsBesideTheSurfaceAndForcesOfNoDeviceAreCountedAndSaid) {
+  const MongeSurface surface = make_sinusoid(50);
+  const double spacing_m = surface.lattice.spacing_m;
+  std::vector<HipSample> path = stroke(surface, 20, 1e-3);
+  // Half a cell beside it is none; 3 m along x and 4 m along y from the corner are 5 m; far below is a great force.
+  const Eigen::Vector3d corner_m =
+      surface.lattice.origin_m + Eigen::Vector3d(surface.width_m(), surface.depth_m(), 0.0);
+  path[4].position_m = corner_m + Eigen::Vector3d(0.5 * spacing_m, 0.0, 10.0);
+  path[6].position_m = corner_m + Eigen::Vector3d(3.0, 4.0, 10.0);
+  path[9].position_m = surface.lattice.origin_m + Eigen::Vector3d(-2.0, 0.5, -100.0);
+  const PathDoubts doubts = trace(surface, path, {}, {}).summary.path;
+  EXPECT_EQ(doubts.outside, 2U);
+  EXPECT_EQ(doubts.first_outside, 7U);
+  EXPECT_EQ(doubts.outside_in_contact, 1U);
+  EXPECT_NEAR(doubts.outside_m, 5.0, 1e-9);
+  EXPECT_EQ(doubts.impossible_force, 1U);
+  EXPECT_GT(doubts.deepest_m, 99.0);
+  EXPECT_NEAR(doubts.largest_force_n, scene::HapticsConfig().stiffness_n_per_m * surface.scale * doubts.deepest_m,
+              1e-9 * doubts.largest_force_n);
+  const std::vector<std::string> said = sentences(doubts);
+  ASSERT_EQ(said.size(), 2U);
+  EXPECT_NE(said[0].find("2 rows of the hand's path are beside the scene, by up to 5 m"), std::string::npos) << said[0];
+  EXPECT_NE(said[1].find("1 row of the path has forces above 50 N"), std::string::npos) << said[1];
+}
+
 TEST_F(TraceFiles, WritesRowsThatReadBackToTheSameBits) {
   MongeSurface surface = make_sinusoid(50);
   surface.level = 2;
