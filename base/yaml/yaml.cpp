@@ -13,6 +13,8 @@
 #include <map>
 #include <numeric>
 #include <sstream>
+#include <string_view>
+#include <vector>
 
 #include "base/files/files.h"
 #include "base/text/base64.h"
@@ -21,15 +23,85 @@
 namespace sparsha::yaml {
 namespace {
 
+constexpr const char* kClosed = "a word; in a line before, '}' or ']' may be missing";
 constexpr std::size_t kMaxBytes = 1 << 20;
 constexpr std::size_t kMaxDepth = 100;
 constexpr std::size_t kMaxNodes = 1 << 18;
 
 Place place_of(const std::string& name, const YAML::Mark& mark) { return {name, mark.line + 1, mark.column + 1}; }
 
+std::vector<std::string_view> lines_of(std::string_view text) {
+  std::vector<std::string_view> lines;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    lines.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return lines;
+}
+
+bool is_indented_by_tab(std::string_view line) {
+  return line.substr(0, line.find_first_not_of(" \t")).find('\t') != std::string_view::npos &&
+         line.find_first_not_of(" \t\r") != std::string_view::npos;
+}
+
+/// "  - units: m" begins as a line of a block does, "of 1903: a bust" does not.
+bool begins_as_key(std::string_view line) {
+  const std::size_t first = line.find_first_not_of(" -");
+  if (first == std::string_view::npos) return false;
+  line.remove_prefix(first);
+  const std::size_t end = line.find_first_not_of("abcdefghijklmnopqrstuvwxyz_0123456789");
+  return end != 0 && end != std::string_view::npos && line[end] == ':' &&
+         (end + 1 == line.size() || line[end + 1] == ' ' || line[end + 1] == '\r');
+}
+
+/// Throws where the text in quotes that begins at `mark` goes on over lines that begin as keys: its last quote is
+/// missing, and another one, far below, took its place.
+void require_closing_quote(const std::vector<std::string_view>& lines, const std::string& name,
+                           const YAML::Mark& mark) {
+  auto line = static_cast<std::size_t>(mark.line);
+  if (mark.line < 0 || line >= lines.size()) return;
+  auto at = static_cast<std::size_t>(mark.column);
+  if (at >= lines[line].size() || (lines[line][at] != '"' && lines[line][at] != '\'')) return;
+  const char quote = lines[line][at];
+  ++at;
+  while (line < lines.size()) {
+    for (; at < lines[line].size(); ++at) {
+      if (quote == '"' && lines[line][at] == '\\') {
+        ++at;
+      } else if (lines[line][at] == quote) {
+        if (quote == '"' || at + 1 >= lines[line].size() || lines[line][at + 1] != quote) return;
+        ++at;
+      }
+    }
+    at = 0;
+    if (++line < lines.size() && begins_as_key(lines[line]))
+      throw Error(ErrorKind::usage, place_of(name, mark),
+                  "the text in quotes goes on into line " + std::to_string(line + 1) + ", which begins with a key",
+                  "a quote at the end of the text, in line " + std::to_string(mark.line + 1));
+  }
+}
+
+/// What was expected where yaml-cpp found `message`; lines are counted from 0.
+std::string expected_for(const std::string& message, const std::vector<std::string_view>& lines, int line) {
+  const auto says = [&](const char* words) { return message.find(words) != std::string::npos; };
+  if (line >= 0 && static_cast<std::size_t>(line) < lines.size() &&
+      is_indented_by_tab(lines[static_cast<std::size_t>(line)]))
+    return "blanks at the beginning of the line instead of a tab";
+  if (says("sequence flow")) return "']' where the list ends, and ',' between its entries";
+  if (says("map flow")) return "'}' where the block ends, and ',' between its keys";
+  if (says("escape") || says("hex number"))
+    return "single quotes around a text with backslashes, e.g. 'C:\\scans\\statue.ply'";
+  if (says("EOF in scalar")) return "a quote at the end of the text";
+  if (says("illegal map value")) return "keys below each other with the same indent; a text with ': ' in quotes";
+  if (says("end of map") || says("end of sequence") || says("block entry"))
+    return "the keys or dashes of one block below each other, with the same indent";
+  return "keys and values as in docs/configuration.md";
+}
+
 class TreeBuilder : public YAML::EventHandler {
  public:
-  explicit TreeBuilder(std::string name) : name_(std::move(name)) {}
+  TreeBuilder(std::string name, const std::vector<std::string_view>& lines) : name_(std::move(name)), lines_(lines) {}
 
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (begun_) throw Error(ErrorKind::usage, place_of(name_, mark), "a second document", "one document a file");
@@ -49,6 +121,7 @@ class TreeBuilder : public YAML::EventHandler {
     Node node = make(mark, Node::Kind::scalar);
     node.scalar = value;
     node.quoted = tag == "!";
+    if (node.quoted) require_closing_quote(lines_, name_, mark);
     if (tag == "tag:yaml.org,2002:binary") {
       if (!from_base64(value, node.scalar)) throw Error(ErrorKind::usage, node.place, "no !!binary value", "base64");
       node.quoted = true;
@@ -92,7 +165,7 @@ class TreeBuilder : public YAML::EventHandler {
       throw Error(ErrorKind::usage, place_of(name_, mark), "nested too deeply", "at most 100 levels");
     }
     if (!stack_.empty() && stack_.back().node.is_map() && !stack_.back().has_key) {
-      throw Error(ErrorKind::usage, place_of(name_, mark), "a key must be a plain word");
+      throw Error(ErrorKind::usage, place_of(name_, mark), "a key must be a plain word", kClosed);
     }
     stack_.push_back({std::move(node), anchor, false, {}, {}});
   }
@@ -108,7 +181,8 @@ class TreeBuilder : public YAML::EventHandler {
     if (anchor != YAML::NullAnchor) anchors_[anchor] = node;
     if (!stack_.empty() && stack_.back().node.is_map() && !stack_.back().has_key) {
       Open& map = stack_.back();
-      if (!node.is_scalar()) throw Error(ErrorKind::usage, place_of(name_, mark), "a key must be a plain word");
+      if (!node.is_scalar())
+        throw Error(ErrorKind::usage, place_of(name_, mark), "a key must be a plain word", kClosed);
       if (const Node* earlier = map.node.find(node.scalar)) {
         throw Error(ErrorKind::usage, node.place, "the key '" + node.scalar + "' is given twice",
                     "one value; the first is at line " + std::to_string(earlier->place.line));
@@ -145,6 +219,7 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   std::string name_;
+  const std::vector<std::string_view>& lines_;
   std::vector<Open> stack_;
   std::map<YAML::anchor_t, Node> anchors_;
   std::size_t nodes_ = 0;
@@ -169,6 +244,15 @@ std::string number_text(double value) {
   text.imbue(std::locale::classic());
   text << value;
   return text.str();
+}
+
+/// What to write where a text with a comma, {say: Hello, world}, became a text and a key without a value; else empty.
+std::string comma_in_text(const Node& map, const Entry& unknown) {
+  const auto at = static_cast<std::size_t>(&unknown - map.entries.data());
+  if (at == 0 || unknown.value.kind != Node::Kind::null) return {};
+  const Entry& before = map.entries[at - 1];
+  if (!before.value.is_scalar() || before.value.quoted || before.value.place.line != unknown.place.line) return {};
+  return "quotes around a text with a comma: " + before.key + ": \"" + before.value.scalar + ", " + unknown.key + "\"";
 }
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -202,13 +286,15 @@ Node parse_text(std::string_view text, const std::string& name) {
     throw Error(ErrorKind::usage, {name, 0, 0}, "the file is not text", "a YAML text file");
   }
   std::istringstream stream{std::string(text)};
-  TreeBuilder builder(name);
+  const std::vector<std::string_view> lines = lines_of(text);
+  TreeBuilder builder(name, lines);
   try {
     YAML::Parser parser(stream);
     while (parser.HandleNextDocument(builder)) {
     }
   } catch (const YAML::Exception& error) {
-    throw Error(ErrorKind::usage, place_of(name, error.mark), "not valid YAML: " + error.msg);
+    throw Error(ErrorKind::usage, place_of(name, error.mark), "not valid YAML: " + error.msg,
+                expected_for(error.msg, lines, error.mark.line));
   }
   if (builder.root.place.file.empty()) builder.root.place.file = name;  // nothing was in it
   return std::move(builder.root);
@@ -264,7 +350,9 @@ std::vector<double> to_doubles(const Node& node, std::size_t count) {
   const std::string expected = "a list of " + std::to_string(count) + " numbers";
   if (!node.is_sequence()) throw error_at(node, kind_name(node) + " is not a list", expected);
   if (node.items.size() != count) {
-    throw error_at(node, "the list has " + std::to_string(node.items.size()) + " entries", expected);
+    const bool semicolons = node.items.size() == 1 && node.items.front().scalar.find(';') != std::string::npos;
+    throw error_at(node, "the list has " + std::to_string(node.items.size()) + (semicolons ? " entry" : " entries"),
+                   expected + (semicolons ? " with commas between them, not semicolons" : ""));
   }
   std::vector<double> values;
   for (const Node& item : node.items) values.push_back(to_double(item));
@@ -340,10 +428,9 @@ void MapReader::finish() const {
   for (const Entry& entry : node_.entries) {
     if (std::find(known_.begin(), known_.end(), entry.key) != known_.end()) continue;
     const std::string near = nearest(entry.key, known_);
-    std::string expected;
-    if (!near.empty()) {
-      expected = "did you mean '" + near + "'?";
-    } else {
+    std::string expected = comma_in_text(node_, entry);
+    if (expected.empty() && !near.empty()) expected = "did you mean '" + near + "'?";
+    if (expected.empty()) {
       for (const std::string& name : known_) expected += (expected.empty() ? "one of " : ", ") + name;
     }
     throw Error(ErrorKind::usage, entry.place, what_ + " has no key '" + entry.key + "'", expected);
@@ -357,7 +444,8 @@ std::string nearest(std::string_view word, const std::vector<std::string>& names
   for (const std::string& name : names) {
     std::size_t distance = edit_distance(small, lower_case(name));
     // A unit left out or added ("leaf" for "leaf_mm") is a near miss whatever its length.
-    if (name.starts_with(word) || word.starts_with(name)) distance = std::min<std::size_t>(distance, 1);
+    if (name.starts_with(word)) distance = std::min<std::size_t>(distance, 1);
+    if (word.starts_with(name)) distance = std::min<std::size_t>(distance, 2);
     if (distance < best_distance) {
       best_distance = distance;
       best = name;

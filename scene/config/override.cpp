@@ -2,7 +2,10 @@
 #include "scene/config/override.h"
 
 #include <algorithm>
+#include <string>
 #include <string_view>
+
+#include "base/error.h"
 
 namespace sparsha::scene {
 namespace {
@@ -29,6 +32,25 @@ const std::vector<Rivals>& rivals() {
 
 std::string_view path_of(std::string_view setting) { return setting.substr(0, setting.find('=')); }
 
+/// "scans[0].units=mm" as "scans.0.units=mm". Throws Error{usage} for a place in a list without its number.
+std::string with_dots(const std::string& setting) {
+  const std::string_view path = path_of(setting);
+  std::string dotted;
+  for (std::size_t at = 0; at < path.size(); ++at) {
+    if (path[at] != '[') {
+      dotted += path[at];
+      continue;
+    }
+    const std::size_t end = path.find(']', at);
+    if (end == std::string_view::npos || end == at + 1)
+      throw usage_error("--set " + setting + " does not say which place of the list",
+                        "a number from 0, e.g. scans[0].units=mm");
+    dotted += "." + std::string(path.substr(at + 1, end - at - 1));
+    at = end;
+  }
+  return dotted + setting.substr(path.size());
+}
+
 yaml::Node* block_at(yaml::Node& root, std::string_view path) {
   yaml::Node* node = &root;
   while (!path.empty()) {
@@ -49,7 +71,9 @@ yaml::Node* block_at(yaml::Node& root, std::string_view path) {
 
 }  // namespace
 
-void override_keys(yaml::Node& root, const std::vector<std::string>& settings) {
+void override_keys(yaml::Node& root, const std::vector<std::string>& given) {
+  std::vector<std::string> settings;
+  for (const std::string& setting : given) settings.push_back(with_dots(setting));
   for (const std::string& setting : settings) yaml::set(root, setting);
   const auto is_set = [&](const std::string& path) {
     return std::any_of(settings.begin(), settings.end(), [&](const std::string& s) { return path_of(s) == path; });

@@ -44,6 +44,41 @@ TEST(Yaml, ReportsBadSyntaxWithLineAndColumn) {
   EXPECT_THAT(message_of([] { (void)parse_text("a: [1, 2\nb: 3\n", "f.yaml"); }), HasSubstr("f.yaml:2:"));
 }
 
+TEST(Yaml, SaysWhatWasExpectedOfEveryCommonSlip) {
+  const auto says = [](const std::string& text, const std::string& what) {
+    EXPECT_THAT(message_of([&] { (void)parse_text(text, "f.yaml"); }), HasSubstr(what)) << text;
+  };
+  says("a:\n  b: 1\n   c: 2\n", "same indent");
+  says("a:\n  - b: 1\n  c: 2\n", "same indent");
+  says("a: [{b: 1}\nc: 2\n", "']' where the list ends");
+  says("a:\n  - {b: 1, c: 2\nd: {e: 3}\n", "'}' or ']' may be missing");
+  says("a:\n\tb: 1\n", "instead of a tab");
+  says("a: \"C:\\data\\b.ply\"\n", "single quotes");
+  says("a: \"C:\\Users\\b.ply\"\n", "single quotes");
+  for (const char* quote : {"\"", "'"})
+    says(std::string("a:\n  - b: ") + quote + "oni.ply\n    c: m\nd: 1\ne: " + quote + "x" + quote + "\n",
+         "f.yaml:2:8: error: the text in quotes goes on into line 3");
+  EXPECT_EQ(parse_text("a: \"one\n  Two: a half,\n  of 1903: 'three'\"\n", "f.yaml").entries.size(), 1U)
+      << "prose may go on";
+}
+
+TEST(Yaml, AdvisesQuotesForTextsWithCommasAndCommasForLists) {
+  const Node root = parse_text("a: {say: Hello, world, n: [0;0;1;1]}\n", "f.yaml");
+  EXPECT_THAT(message_of([&] {
+                MapReader reader(*root.find("a"), "a part");
+                (void)reader.optional("say");
+                (void)reader.optional("n");
+                reader.finish();
+              }),
+              HasSubstr("say: \"Hello, world\""));
+  EXPECT_THAT(message_of([&] { (void)to_doubles(*root.find("a")->find("n"), 4); }), HasSubstr("not semicolons"));
+}
+
+TEST(Yaml, ACompletedOrMisspeltKeyIsNearerThanItsBlock) {
+  EXPECT_EQ(nearest("grid.siz", {"grid", "grid.size", "grid.spacing_mm"}), "grid.size");
+  EXPECT_EQ(nearest("leaf", {"leaf_mm", "last"}), "leaf_mm");
+}
+
 TEST(Yaml, NamesTheNearestKeyOfAMisspeltOne) {
   const Node root = parse_text("leaf: 1\n", "f.yaml");
   MapReader reader(root, "voxel");

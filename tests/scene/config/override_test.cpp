@@ -29,6 +29,13 @@ TEST(OverrideKeys, LetsOneWayToOrientTakeThePlaceOfAnother) {
   EXPECT_NO_THROW((void)with("", {"scans.0.pose.quaternion=[0, 0, 0, 1]"}));
 }
 
+TEST(OverrideKeys, TakesAPlaceInAListInBracketsAsDocumentsWriteIt) {
+  EXPECT_EQ(with("", {"scans[0].units=mm"}).scans.at(0).units.unit, LengthUnit::mm);
+  EXPECT_NO_THROW((void)with("", {"scans[0].pose.quaternion=[0, 0, 0, 1]"})) << "the angles make way";
+  for (const char* setting : {"scans[].units=mm", "scans[1].units=mm", "scans[0.units=mm", "scans[a].units=mm"})
+    EXPECT_THROW((void)with("", {setting}), Error) << setting;
+}
+
 TEST(OverrideKeys, LeavesTwoSettingsThatContradictToBeRefused) {
   EXPECT_THROW((void)with("", {"grid.size=800", "grid.spacing_mm=2"}), Error);
   EXPECT_THROW((void)with("grid: {spacing_mm: 2}\n", {"grid.sise=800"}), Error);
