@@ -113,6 +113,9 @@ int run_build(const Arguments& arguments, const CommonOptions& common, pipeline:
         throw input_error(scan.file.string(), "the scan does not exist", "a readable file");
       }
     }
+    std::error_code code;
+    if (config.audio && config.audio->labels && !fs::is_regular_file(config.audio->labels->file, code))
+      throw input_error(config.audio->labels->file.string(), "the label image does not exist", "a readable file");
     if (is_root) print(common.json ? std::string("{\"valid\": true}") : scene::to_yaml(config));
     return 0;
   }

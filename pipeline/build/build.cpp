@@ -188,6 +188,17 @@ void require_label_image(const scene::Config& config) {
     static_cast<void>(read_number_png(config.audio->labels->file));
 }
 
+void warn_if_beside(const scene::SceneDescription& scene, const std::string& what, const scene::Area::Box& box_m,
+                    Progress& progress) {
+  const scene::Lattice& grid = scene.levels.front();
+  const double xmax_m = grid.x_m(grid.nx - 1), ymax_m = grid.y_m(grid.ny - 1);
+  const bool beside =
+      box_m.at(2) < grid.x_m(0) || box_m.at(0) > xmax_m || box_m.at(3) < grid.y_m(0) || box_m.at(1) > ymax_m;
+  if (!beside || scene.region_from_grid) return;
+  progress.warn(fmt::format("{} is nowhere: it lies beside the grid, which is [{:.3f}, {:.3f}, {:.3f}, {:.3f}] m", what,
+                            grid.x_m(0), grid.y_m(0), xmax_m, ymax_m));
+}
+
 // What was drawn for another grid, in another unit or on another label image. `what`: "part 'lotus'".
 void warn_if_nowhere(const scene::SceneDescription& scene, const std::string& what, const scene::Area& area,
                      const std::optional<int>& label, Progress& progress) {
@@ -202,13 +213,7 @@ void warn_if_nowhere(const scene::SceneDescription& scene, const std::string& wh
                         : fmt::format("{} is nowhere: its polygon encloses nothing", what));
     return;
   }
-  const scene::Lattice& grid = scene.levels.front();
-  const double xmax_m = grid.x_m(grid.nx - 1), ymax_m = grid.y_m(grid.ny - 1);
-  const bool beside =
-      box_m->at(2) < grid.x_m(0) || box_m->at(0) > xmax_m || box_m->at(3) < grid.y_m(0) || box_m->at(1) > ymax_m;
-  if (!beside || scene.region_from_grid) return;
-  progress.warn(fmt::format("{} is nowhere: it lies beside the grid, which is [{:.3f}, {:.3f}, {:.3f}, {:.3f}] m", what,
-                            grid.x_m(0), grid.y_m(0), xmax_m, ymax_m));
+  warn_if_beside(scene, what, *box_m, progress);
 }
 
 void warn_of_empty_places(const scene::SceneDescription& scene, Progress& progress) {
@@ -216,10 +221,16 @@ void warn_of_empty_places(const scene::SceneDescription& scene, Progress& progre
     const scene::PartConfig& config = scene.config.parts[part];
     warn_if_nowhere(scene, fmt::format("part '{}'", config.name), scene::area_of(scene, part), config.label, progress);
   }
+  if (const auto& guide = scene.config.guide; guide && !guide->line_m.empty()) {
+    const auto& line_m = guide->line_m;
+    const auto [left, right] = std::ranges::minmax_element(line_m, {}, [](const auto& point) { return point[0]; });
+    const auto [low, high] = std::ranges::minmax_element(line_m, {}, [](const auto& point) { return point[1]; });
+    warn_if_beside(scene, "the guide's line", {(*left)[0], (*low)[1], (*right)[0], (*high)[1]}, progress);
+  }
   if (!scene.config.audio) return;
   std::shared_ptr<const scene::LabelMap> labels;
   for (const scene::AudioRegionConfig& region : scene.config.audio->regions) {
-    if (!region.has_place() || (region.label && !scene.config.audio->labels)) continue;  // is warned of where it sounds
+    if (!region.has_place()) continue;
     scene::Area area;
     if (region.box_m) {
       area = scene::Area(*region.box_m);

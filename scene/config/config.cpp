@@ -169,11 +169,12 @@ void require_friction(const Node& parts, const Config& config) {
   }
 }
 
-void require_labels(const Node& parts, const Config& config) {
+/// `what`: "a part".
+void require_labels(const Node& places, const char* what, const Config& config) {
   if (config.audio && config.audio->labels) return;
-  for (const Node& part : parts.items) {
-    if (const Node* label = part.find("label")) {
-      throw yaml::error_at(*label, "a part has a label and the scene no label image",
+  for (const Node& place : places.items) {
+    if (const Node* label = place.find("label")) {
+      throw yaml::error_at(*label, std::string(what) + " has a label and the scene no label image",
                            "the image in the block 'audio', for instance {labels: {file: labels.png}}");
     }
   }
@@ -295,9 +296,12 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
   }
   if (const Node* node = reader.optional("audio")) {
     config.audio = parse_audio(*node, folder);
-    if (const Node* regions = node->find("regions")) require_around(*regions, config);
+    if (const Node* regions = node->find("regions")) {
+      require_around(*regions, config);
+      require_labels(*regions, "an audio region", config);
+    }
   }
-  if (const Node* node = reader.optional("parts")) require_labels(*node, config);
+  if (const Node* node = reader.optional("parts")) require_labels(*node, "a part", config);
   if (const Node* node = reader.optional("speech")) config.speech = parse_speech(*node);
   if (const Node* node = reader.optional("guide")) config.guide = parse_guide(*node);
   if (const Node* node = reader.optional("cues")) config.cues = parse_cues(*node);
@@ -313,13 +317,19 @@ bool describes_scene(const Node& root) {
 
 Config load_config(const std::filesystem::path& file, const std::vector<std::string>& settings) {
   Node root = yaml::parse_file(file);
-  if (describes_scene(root)) {
+  const bool of_scene = describes_scene(root);
+  if (of_scene) {
     std::erase_if(root.entries, [](const yaml::Entry& entry) {
       return std::find(kSceneKeys.begin(), kSceneKeys.end(), entry.key) != kSceneKeys.end();
     });
   }
   override_keys(root, settings);
-  return parse_config(root, file.parent_path());
+  Config config = parse_config(root, file.parent_path());
+  // A scene's last part may have been taken away in the viewer.
+  if (!of_scene && config.guide && config.guide->path == GuideConfig::Path::part && config.parts.empty())
+    throw yaml::error_at(*root.find("guide"), "the guide leads along parts, and there are none",
+                         "the block 'parts', or path: outline");
+  return config;
 }
 
 }  // namespace sparsha::scene

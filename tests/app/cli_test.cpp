@@ -398,6 +398,24 @@ TEST_F(Program, ATraceSaysHowManyKnownNodesHaveHeightsThatAreNotNumbers) {
   EXPECT_THAT(doubtful.err, HasSubstr("known nodes of level 0 have heights that are not numbers"));
 }
 
+TEST_F(Program, AGuideWithoutPartsIsRefusedAndOneBesideTheStoneIsWarnedOf) {
+  write("a.ply", kTetrahedron);
+  const std::string scan = "scans: [{file: a.ply}]\ngrid: {size: 20}\n";
+  write("parts.yaml", scan + "guide: {path: part}\n");
+  const Outcome refused = run("build parts.yaml --validate");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("parts.yaml:3:8: error: the guide leads along parts, and there are none"));
+  write("line.yaml", scan + "guide: {path: drawn, line_m: [[7, 7], [8, 8]]}\n");
+  EXPECT_THAT(run("build line.yaml --out scene").err,
+              HasSubstr("the guide's line is nowhere: it lies beside the grid"));
+  write("on.yaml", scan + "guide: {path: drawn, line_m: [[0.2, 0.2], [8, 8]]}\n");
+  EXPECT_THAT(run("build on.yaml --out other").err, Not(HasSubstr("nowhere")));
+  write("labels.yaml", scan + "audio: {labels: none.png, regions: [{name: a, label: 1, material: wood}]}\n");
+  const Outcome labels = run("build labels.yaml --validate");
+  EXPECT_EQ(labels.code, 3);
+  EXPECT_THAT(labels.err, HasSubstr("none.png: error: the label image does not exist"));
+}
+
 TEST_F(Program, ATraceOfAWindowBesideTheSceneIsAUsageError) {
   ASSERT_EQ(run("build " + relief_ + " --set levels.window=32 --out scene").code, 0);
   write("path.csv", "t_s,x_m,y_m,z_m\n0,0.1,0.1,0\n");

@@ -87,6 +87,8 @@ TEST(PartPlaces, ThatAreNoneAreRefusedWhereTheyStand) {
   }
   EXPECT_THAT(message_of(kScan + "parts: [{name: a, label: 3}]\naudio: {material: granite}\n"),
               HasSubstr("c.yaml:2:26"));
+  EXPECT_THAT(message_of(kScan + "audio: {regions: [{name: a, label: 3, material: wood}]}\n"),
+              HasSubstr("an audio region has a label and the scene no label image"));
   for (const char* good : {"[[0,0],[1,1],[1,0],[0,1]]", "[[0,0],[1,0],[0,1],[1,1]]", "[[0,0],[1,0],[1,1],[0,0]]"})
     EXPECT_EQ(message_of(kScan + "parts: [{name: a, polygon_m: " + good + "}]\n"), "") << good;
 }

@@ -53,6 +53,10 @@ Fields completed(std::string_view block, Fields fields) {
   // One place, unless the pillars are looked for (audio.find), which is no matter of one block.
   if (block == "audio.regions[]" && !has(fields, "polygon_m") && !has(fields, "label") && !has(fields, "box_m"))
     fields.emplace_back("box_m", "[0, 0, 1, 1]");
+  const bool labelled = std::ranges::any_of(fields, [](const auto& field) {
+    return field.first == "regions" && field.second.find("label:") != std::string::npos;
+  });
+  if (block == "audio" && labelled && !has(fields, "labels")) fields.emplace_back("labels", "a.png");
   return fields;
 }
 
