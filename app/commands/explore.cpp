@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "app/commands/commands.h"
 #include "app/exploration/devices.h"
@@ -58,7 +59,20 @@ void check_arguments(const ExploreArguments& arguments) {
 }
 
 // One line per device that can play.
-int list_audio() {
+int list_audio(const CommonOptions& common) {
+  if (common.json) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const audio::OutputDevice& device : audio::output_devices())
+      list.push_back({{"number", device.number},
+                      {"name", device.name},
+                      {"system", device.system},
+                      {"channels", device.channels},
+                      {"rate_hz", device.rate_hz},
+                      {"latency_s", device.latency_s},
+                      {"chosen", device.chosen}});
+    print(list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    return 0;
+  }
   std::string text;
   for (const audio::OutputDevice& device : audio::output_devices()) {
     text +=
@@ -70,7 +84,7 @@ int list_audio() {
 }
 
 int run_explore(const ExploreArguments& arguments, const CommonOptions& common) {
-  if (arguments.list_audio) return list_audio();
+  if (arguments.list_audio) return list_audio(common);
   check_arguments(arguments);
   Terminal terminal(common);
   const bool keys = arguments.device == "keys";  // of the terminal, not of a window

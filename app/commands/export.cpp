@@ -208,7 +208,10 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
                             terminal);
       if (whole) warn_of_front_view(*scene, "this format", terminal.progress());
       pipeline::export_scene(*scene, arguments->file, arguments->nodes, terminal.progress(), arguments->haptics);
-      if (common.plain)
+      if (common.json)
+        print(nlohmann::ordered_json{{"file", arguments->file}}.dump(2, ' ', false,
+                                                                     nlohmann::json::error_handler_t::replace));
+      else if (common.plain)
         print(written_sentences({arguments->file}));
       else
         terminal.message("wrote " + arguments->file);

@@ -4,6 +4,7 @@
 #include "app/commands/commands.h"
 #include "app/inputs.h"
 #include "app/terminal/terminal.h"
+#include "base/error.h"
 #include "base/files/files.h"
 #include "base/system/terminal.h"
 #include "pipeline/suggest/suggest.h"
@@ -29,6 +30,7 @@ void require_free(const fs::path& target) {
 }
 
 int write_first_configuration(const Arguments& arguments, const CommonOptions& common) {
+  if (common.json) throw usage_error("`new` writes a configuration, which is YAML", "the command without --json");
   Terminal terminal(common);
   const std::vector<fs::path> files(arguments.scans.begin(), arguments.scans.end());
   const fs::path target = arguments.out;

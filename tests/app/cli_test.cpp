@@ -416,6 +416,15 @@ TEST_F(Program, AGuideWithoutPartsIsRefusedAndOneBesideTheStoneIsWarnedOf) {
   EXPECT_THAT(labels.err, HasSubstr("none.png: error: the label image does not exist"));
 }
 
+TEST_F(Program, JsonIsAskedForAndComesOrIsRefused) {
+  write("a.ply", kTetrahedron);
+  EXPECT_EQ(nlohmann::json::parse(run("export a.ply --to nodes.ply --nodes --json").out)["file"], "nodes.ply");
+  const Outcome proposal = run("new a.ply --json");
+  EXPECT_EQ(proposal.code, 2);
+  EXPECT_THAT(proposal.err, HasSubstr("YAML"));
+  EXPECT_THAT(proposal.out, IsEmpty());
+}
+
 TEST_F(Program, ATraceOfAWindowBesideTheSceneIsAUsageError) {
   ASSERT_EQ(run("build " + relief_ + " --set levels.window=32 --out scene").code, 0);
   write("path.csv", "t_s,x_m,y_m,z_m\n0,0.1,0.1,0\n");

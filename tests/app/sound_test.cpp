@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -280,6 +282,7 @@ TEST_F(Sound, WithoutAWindowARunIsHeardThroughASoundServer) {
 
 TEST_F(Sound, DevicesAreListedAndAnUnknownOneIsAWarningNotTheEnd) {
   EXPECT_EQ(run("explore --list-audio").code, 0);
+  EXPECT_TRUE(nlohmann::json::parse(run("explore --list-audio --json").out).is_array());
   EXPECT_EQ(run("explore").code, 2);
   ASSERT_EQ(run("build " + relief_ + " --out scene").code, 0);
   const Outcome outcome =
