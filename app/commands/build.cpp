@@ -91,8 +91,8 @@ int run_build(const Arguments& arguments, const CommonOptions& common, pipeline:
   if (!arguments.memory.empty()) options.memory_bytes = parse_bytes(arguments.memory);
 
   const fs::path folder = scene_folder(arguments);
-  if (arguments.resume) {
-    options.finished_tiles = tiles_of(folder);
+  if (arguments.resume) options.finished_tiles = tiles_of(folder);
+  if (arguments.resume || transport != nullptr) {
     options.program = sha256(std::as_bytes(std::span<const char>(read_file(system::program_file(), kMostProgram))));
   }
   if (arguments.resume && transport != nullptr)

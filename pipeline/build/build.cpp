@@ -21,6 +21,7 @@
 #include "base/system.h"
 #include "base/text/text.h"
 #include "base/threads/thread_pool.h"
+#include "pipeline/build/on_ranks.h"
 #include "pipeline/build/pillar_regions.h"
 #include "pipeline/build/project_scans.h"
 #include "pipeline/build/sides.h"
@@ -323,6 +324,7 @@ void fill_and_check(const scene::Config& config, const BuildOptions& options, co
 
 BuildResult build_scene(const scene::Config& given, const BuildOptions& options, Progress& progress) {
   const auto began = std::chrono::steady_clock::now();
+  if (options.ranks != nullptr) require_same_configuration(given, options);
   scene::Config config = given;
   require_label_image(config);
   config.scans = without_repeats(given.scans, progress);
@@ -373,8 +375,7 @@ BuildResult build_scene(const scene::Config& given, const BuildOptions& options,
     fill_and_check(config, options, {pool, progress}, scans, base, scene, report);
     add_texture(config, projection, {pool, progress}, base, scene, report);
     if (scans.charts) add_texture_around(config, {pool, progress}, scene, scans.charts->charts);
-    // A rank holds a part of the points.
-    if (!scans.unroll && !scans.charts && options.ranks == nullptr) add_sides(scans.scan_to_grid, report);
+    if (!scans.unroll && !scans.charts) add_sides(scans.scan_to_grid, report);
     progress.begin("pyramid");
     levels = build_pyramid(base, config.levels.window, pool);
   } else {
@@ -430,6 +431,7 @@ BuildOptions with_scratch_beside(BuildOptions options, const std::filesystem::pa
 
 void take_part_in_build(const scene::Config& given, const BuildOptions& options, const std::filesystem::path& folder,
                         Progress& progress) {
+  require_same_configuration(given, options);
   const BuildOptions building = with_scratch_beside(options, folder);
   scene::Config config = given;
   config.scans = without_repeats(given.scans, progress);

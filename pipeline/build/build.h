@@ -28,7 +28,8 @@ struct BuildOptions {
   /// Where tiles of the grid are kept as they are measured, through files on disk whatever the limit; a build that
   /// finds its own there goes on from them. Empty: nowhere. build_scene_folder() removes it once the scene is written.
   std::filesystem::path finished_tiles;
-  std::string program;  ///< what builds the scene, as a hash: tiles of another program are not gone on from
+  /// What builds the scene, as a hash: tiles of another program are not gone on from, and ranks have the same.
+  std::string program;
   /// Of those that build this scene together, with the same configuration and options; null alone. The root alone
   /// writes the scene, the others call take_part_in_build().
   const Ranks* ranks = nullptr;

@@ -119,7 +119,11 @@ class Builder {
       result_ = {};
       grid_ = config_.grid;
       oriented_ = !config_.orientation.face.has_value();
-      if (shared()) require_points_for_ranks(config_, scans.faces());
+      if (shared()) {
+        require_points_for_ranks(config_, scans.faces());
+        result_.sources = scans.sources();
+        require_same_scans(*options_.ranks, result_.sources, scans.points(), scans.invalid());
+      }
       require_points_only(amount_of(scans), filters_, needed.bytes);
       if (thins()) {
         build_thinned(scans);
@@ -387,8 +391,8 @@ class Builder {
     result_.disk_arrays = std::make_shared<system::DiskArrays>(scratch_folder(), limit_.bytes);
   }
 
-  /// A rank holds a part of the points; whole objects have pictures of their own.
-  [[nodiscard]] bool shows_sides() const { return !options_.grid_only && !around() && !unrolls() && !shared(); }
+  /// Whole objects have pictures of their own, and the root draws those of all ranks.
+  [[nodiscard]] bool shows_sides() const { return !options_.grid_only && !around() && !unrolls() && is_root(); }
 
   [[nodiscard]] bool thins() const {
     return std::any_of(filters_.begin(), filters_.end(), [](const scene::FilterConfig& filter) {

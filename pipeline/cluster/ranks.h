@@ -37,6 +37,8 @@ class Ranks {
   [[nodiscard]] int rank() const { return transport_.rank(); }
   [[nodiscard]] std::size_t number() const { return static_cast<std::size_t>(transport_.rank()); }
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(transport_.size()); }
+  /// On which this rank runs.
+  [[nodiscard]] const char* host() const { return transport_.host(); }
   /// Whether this rank writes the scene.
   [[nodiscard]] bool is_root() const { return transport_.rank() == 0; }
 

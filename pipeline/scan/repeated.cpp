@@ -54,6 +54,8 @@ std::vector<std::vector<std::size_t>> groups_of(const std::vector<std::size_t>& 
 
 }  // namespace
 
+std::string digest_of_ends(const fs::path& file) { return digest_of(file, false); }
+
 std::vector<scene::ScanConfig> without_repeats(const std::vector<scene::ScanConfig>& scans, Progress& progress) {
   std::vector<std::size_t> all;
   std::error_code code;
@@ -65,7 +67,7 @@ std::vector<scene::ScanConfig> without_repeats(const std::vector<scene::ScanConf
   };
   std::vector<bool> repeated(scans.size(), false);
   for (const auto& sizes : groups_of(all, size_of)) {
-    for (const auto& ends : groups_of(sizes, [&](std::size_t i) { return digest_of(scans[i].file, false); })) {
+    for (const auto& ends : groups_of(sizes, [&](std::size_t i) { return digest_of_ends(scans[i].file); })) {
       for (const auto& same : groups_of(ends, [&](std::size_t i) { return digest_of(scans[i].file, true); })) {
         progress.throw_if_cancelled();
         for (std::size_t k = 1; k < same.size(); ++k) repeated[same[k]] = true;

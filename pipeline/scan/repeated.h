@@ -1,6 +1,8 @@
-// Scans that are listed more than once.
+// Scans that are listed more than once, and what tells files apart.
 #pragma once
 
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "base/threads/progress.h"
@@ -13,5 +15,8 @@ namespace sparsha::pipeline {
 /// differ; files that cannot be read stay, for their reader to say why.
 [[nodiscard]] std::vector<scene::ScanConfig> without_repeats(const std::vector<scene::ScanConfig>& scans,
                                                              Progress& progress);
+
+/// SHA-256 of the first and the last 64 KiB of a file. Throws Error{input} when it cannot be read.
+[[nodiscard]] std::string digest_of_ends(const std::filesystem::path& file);
 
 }  // namespace sparsha::pipeline

@@ -2,6 +2,7 @@
 
 77 when mpirun or Sparsha's plug-in is not there."""
 import json
+import math
 import os
 import pathlib
 import shutil
@@ -23,9 +24,9 @@ def environment():
             "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_btl_vader_single_copy_mechanism": "none"}
 
 
-def build(ranks, out, *more, settings=SETTINGS):
+def build(ranks, out, *more, settings=SETTINGS, config=CONFIG):
     launcher = ["mpirun", "-n", str(ranks)] if ranks else []
-    return subprocess.run([*launcher, PROGRAM, "build", str(CONFIG), *settings, "--threads", "1", "--quiet", "--out", str(out),
+    return subprocess.run([*launcher, PROGRAM, "build", str(config), *settings, "--threads", "1", "--quiet", "--out", str(out),
                            *more], capture_output=True, text=True, timeout=100, env=environment())
 
 
@@ -47,6 +48,31 @@ def same_bytes(folder):
         assert content(folder / "shared") == expected, f"{ranks} ranks build another scene"
         assert run.stdout.count("\n") < 100, "each rank printed a summary"
     shutil.rmtree(folder / "shared")
+
+
+def pictures_are_the_same(folder):
+    """Of what a filter takes away, and of the sides of a closed object."""
+    golden = math.pi * (3.0 - math.sqrt(5.0))
+    rows = []
+    for k in range(40000):
+        z = 1.0 - (2.0 * k + 1.0) / 40000.0
+        r, u = math.sqrt(1.0 - z * z), golden * k
+        rows.append(f"{0.2 * r * math.cos(u):.6f} {0.2 * r * math.sin(u):.6f} {0.2 * z:.6f}\n")
+    (folder / "ball.xyz").write_text("".join(rows))
+    config = folder / "ball.yaml"
+    config.write_text("scans:\n  - {file: ball.xyz, units: m}\ngrid: {size: 60}\n"
+                      "filters:\n  - crop: {min_m: [-1, -1, -1], max_m: [0.15, 1, 1]}\n")
+    assert build(0, folder / "ball.scene", config=config, settings=[]).returncode == 0
+    expected = content(folder / "ball.scene")
+    assert {"filters.png", "sides.png"} <= expected[0].keys(), expected[0].keys()
+    for ranks in (1, 2, 3):
+        run = build(ranks, folder / "ball_shared", config=config, settings=[])
+        assert run.returncode == 0, (ranks, run.stderr)
+        assert content(folder / "ball_shared") == expected, f"{ranks} ranks build another scene"
+    for scene in ("ball.scene", "ball_shared"):
+        shutil.rmtree(folder / scene)
+    for file in folder.glob("ball.*"):
+        file.unlink()
 
 
 def refusal_is_said_once(folder):
@@ -73,19 +99,50 @@ def file_that_one_rank_cannot_read_is_named(folder):
     points = "".join(f"{i % 40} {i // 40} {(i * 7) % 3 * 0.1}\n" for i in range(1600))
     ply.write_text("ply\nformat ascii 1.0\nelement vertex 1600\nproperty float x\nproperty float y\nproperty float z\n"
                    "end_header\n" + points)
+    run = build_in_two_folders(folder, ply.read_bytes(), None)
+    assert run.returncode == 3 and run.stderr.count("error:") == 1, run
+    assert "rank 1 of 2" in run.stderr and "plane.ply" in run.stderr, run.stderr
+    ply.unlink()
+
+
+def build_in_two_folders(folder, *files, more=((), ())):
+    """Each of two ranks in a folder of its own, with the same configuration and its own plane.ply; None: without."""
     parts = []
-    for scan in ("plane.ply", "gone.ply"):
-        config = folder / f"{scan}.yaml"
-        config.write_text(f"scans:\n  - {{file: {scan}, units: m}}\n")
-        parts += [":"] * bool(parts) + ["-n", "1", PROGRAM, "build", str(config), "--quiet", "--out", str(folder / "shared")]
+    for rank, content in enumerate(files):
+        place = folder / f"machine{rank}"
+        place.mkdir()
+        (place / "plane.yaml").write_text("scans:\n  - {file: plane.ply, units: m}\ngrid: {size: 40}\n")
+        if content is not None:
+            (place / "plane.ply").write_bytes(content)
+        parts += [":"] * bool(parts) + ["-n", "1", "-wdir", str(place), PROGRAM, "build", "plane.yaml", "--quiet",
+                                        "--out", "shared", *more[rank]]
     began = time.monotonic()
     run = subprocess.run(["mpirun", *parts], capture_output=True, text=True, timeout=60, env=environment())
     assert time.monotonic() - began < LONGEST_S
-    assert run.returncode == 3 and run.stderr.count("error:") == 1, run
-    assert "rank 1 of 2" in run.stderr and "gone.ply" in run.stderr, run.stderr
-    assert not (folder / "shared").exists()
-    for file in folder.glob("*.ply*"):
-        file.unlink()
+    for rank in range(len(files)):
+        left = {path.name for path in (folder / f"machine{rank}").iterdir()} - {"plane.yaml", "plane.ply"}
+        assert run.returncode == 0 or not left, (left, run)
+        shutil.rmtree(folder / f"machine{rank}")
+    return run
+
+
+def what_one_rank_has_otherwise_is_named(folder):
+    header = ("ply\nformat ascii 1.0\nelement vertex 20000\nproperty float x\nproperty float y\nproperty float z\n"
+              "end_header\n")
+    lines = [f"{i % 200:03d} {i // 200:03d} {(i * 7) % 3}.0\n" for i in range(20000)]
+    scan = (header + "".join(lines)).encode()
+    assert build_in_two_folders(folder, scan, scan).returncode == 0
+
+    middle = lines[:10000] + ["000 050 9.0\n"] + lines[10001:]  # as long, and the same at both ends
+    ends = ["000 000 9.0\n"] + lines[1:]
+    for other in (header + "".join(middle), header + "".join(ends), header.replace("20000", "19999") + "".join(lines[1:])):
+        run = build_in_two_folders(folder, scan, other.encode())
+        assert run.returncode == 3 and run.stderr.count("error:") == 1, run
+        assert "rank 1 on" in run.stderr and "plane.ply" in run.stderr and "another file" in run.stderr, run.stderr
+    for settings in (["--set", "grid.size=41"], ["--only", "grid"], ["--force"]):
+        run = build_in_two_folders(folder, scan, scan, more=((), settings))
+        assert run.returncode == 2 and run.stderr.count("error:") == 1, run
+        assert "rank 1 on" in run.stderr and "another configuration" in run.stderr, run.stderr
 
 
 def children_of(pid):
@@ -148,8 +205,10 @@ def main():
         folder = pathlib.Path(name)
         other_commands_are_refused_by_name(folder)
         same_bytes(folder)
+        pictures_are_the_same(folder)
         refusal_is_said_once(folder)
         file_that_one_rank_cannot_read_is_named(folder)
+        what_one_rank_has_otherwise_is_named(folder)
         killed_rank_ends_all(folder)
     return 0
 

@@ -19,6 +19,7 @@
 #include "pipeline/build/on_ranks.h"
 #include "pipeline/simulate/simulate.h"
 #include "scene/config/config.h"
+#include "scene/scene.h"
 #include "tests/pipeline/outofcore/thread_transport.h"
 #include "tests/pipeline/outofcore/two_builds.h"
 
@@ -102,6 +103,16 @@ class SharedBuild : public TwoBuilds {
       }
     });
   }
+
+  /// That one process and several have drawn the same, and all of them.
+  void expect_same_pictures(const std::vector<std::string>& names) const {
+    for (const std::string& name : names) {
+      ASSERT_TRUE(std::filesystem::exists(folder_ / "alone" / name)) << name;
+      ASSERT_TRUE(std::filesystem::exists(folder_ / "shared" / name)) << name;
+      EXPECT_TRUE(read_file(folder_ / "alone" / name, kLargest) == read_file(folder_ / "shared" / name, kLargest))
+          << name;
+    }
+  }
 };
 
 const std::vector<std::string> kLayers = {"texture={}", "friction={}", "fill={max_gap_mm: 8}", "check={samples: 5000}"};
@@ -132,8 +143,11 @@ TEST_F(SharedBuild, ClosedObjectsAndCroppedScansAreTheSameToo) {
   const scene::Config config =
       simulated(object, {"filters=[{crop: {min_m: [-10, -10, -10], max_m: [0.15, 10, 10]}}]", "check={samples: 3000}"});
   build(config, "alone", 0);
-  build_on(3, config, "shared");
-  expect_same(folder_ / "alone", folder_ / "shared");
+  for (const std::size_t size : {1U, 2U, 3U}) {
+    build_on(size, config, "shared");
+    expect_same(folder_ / "alone", folder_ / "shared");
+    expect_same_pictures({"filters.png", "sides.png"});
+  }
 }
 
 TEST_F(SharedBuild, WhatOneProcessBuildsOnlyIsNamedBeforeAnythingIsRead) {
@@ -152,24 +166,62 @@ TEST_F(SharedBuild, WhatOneProcessBuildsOnlyIsNamedBeforeAnythingIsRead) {
   EXPECT_EQ(wrong("filters=[{crop: {min_m: [0, 0, 0], max_m: [1, 1, 1]}}]"), "");
 }
 
-TEST_F(SharedBuild, AFileThatOneRankCannotReadEndsAllOfThemWithoutAScene) {
+TEST_F(SharedBuild, AConfigurationThatOneRankHasOtherwiseEndsAllOfThemWithoutAScene) {
   const scene::Config config = simulated(relief(60, 1));
+  const auto wrong = [&](const scene::Config& other, bool grid_only) {
+    try {
+      on_ranks(3, 1U << 16U, [&](const Ranks& ranks, Progress& progress) {
+        BuildOptions options;
+        options.threads = 1;
+        options.ranks = &ranks;
+        if (ranks.is_root()) build_scene_folder(config, options, folder_ / "shared", progress);
+        if (ranks.is_root()) return;
+        const bool differs = ranks.number() == 1;
+        options.grid_only = differs && grid_only;
+        take_part_in_build(differs ? other : config, options, folder_ / "shared", progress);
+      });
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::usage);
+      return std::string(error.what());
+    }
+    return std::string("a scene was built");
+  };
   scene::Config other = config;
   other.scans.front().file = folder_ / "nowhere.ply";
-  EXPECT_THROW(on_ranks(3, 1U << 16U,
-                        [&](const Ranks& ranks, Progress& progress) {
-                          BuildOptions options;
-                          options.threads = 1;
-                          options.ranks = &ranks;
-                          if (ranks.is_root()) build_scene_folder(config, options, folder_ / "shared", progress);
-                          if (!ranks.is_root())
-                            take_part_in_build(ranks.number() == 1 ? other : config, options, folder_ / "shared",
-                                               progress);
-                        }),
-               Error);
+  EXPECT_NE(wrong(other, false).find("rank 1 on here has another configuration"), std::string::npos);
+  EXPECT_NE(wrong(other, false).find("nowhere.ply"), std::string::npos);
+  other = config;
+  other.grid.size = 61;
+  EXPECT_NE(wrong(other, false).find("{size: 61, "), std::string::npos) << wrong(other, false);
+  EXPECT_NE(wrong(config, true).find("'--only: grid' where that has '--only: '"), std::string::npos);
   const auto left =
       std::distance(std::filesystem::directory_iterator(folder_.path()), std::filesystem::directory_iterator());
   EXPECT_EQ(left, 1);  // the scans' folder
+}
+
+TEST(Ranks, ScansThatOneRankReadsOtherwiseAreNamedWithIt) {
+  const std::vector<scene::ScanSource> sources = {{"a.ply", "0a", 7}, {"b.ply", "0b", 8}};
+  const auto wrong = [&](const std::vector<scene::ScanSource>& other, std::uint64_t points, std::uint64_t invalid) {
+    try {
+      on_ranks(3, 1U << 16U, [&](const Ranks& ranks, Progress&) {
+        const bool differs = ranks.number() == 2;
+        require_same_scans(ranks, differs ? other : sources, differs ? points : 15, differs ? invalid : 0);
+      });
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+      return error.place().file + ": " + error.wrong();
+    }
+    return std::string();
+  };
+  EXPECT_EQ(wrong(sources, 15, 0), "");
+  EXPECT_EQ(wrong({{"a.ply", "0a", 7}, {"b.ply", "0c", 8}}, 15, 0),
+            "b.ply: rank 2 on here has another file here than rank 0");
+  EXPECT_EQ(wrong({{"a.ply", "0a", 6}, {"b.ply", "0b", 8}}, 15, 0),
+            "a.ply: rank 2 on here has another file here than rank 0");
+  EXPECT_EQ(wrong({{"a.ply", "0a", 7}}, 7, 0).substr(0, 7), "b.ply: ");
+  EXPECT_EQ(wrong(sources, 14, 1).substr(0, 7), "a.ply: ");
+  EXPECT_NE(wrong(sources, 14, 1).find("14 points, 1 invalid ones where that finds 15 points, 0 invalid ones"),
+            std::string::npos);
 }
 
 }  // namespace
