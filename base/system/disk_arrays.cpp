@@ -175,17 +175,21 @@ struct DiskArrays::Implementation {
   bool ends = false;
   std::thread watcher;
 
-  // Drops all pages when there are too many, as soon as there are enough of them again to be worth it.
-  void watch(std::uint64_t most_bytes) {
+  // Drops all pages when there are too many, as soon as there are enough of them again to be worth it: at most a share
+  // of the room that the rest of the program leaves of `limit_bytes`, since as many come again between two looks.
+  void watch(std::uint64_t most_bytes, std::uint64_t limit_bytes) {
     constexpr std::chrono::milliseconds kPause(1);
-    constexpr std::uint64_t kWorthIt = std::uint64_t{16} << 20U;
+    constexpr std::uint64_t kWorthIt = std::uint64_t{16} << 20U, kLeastWorthIt = std::uint64_t{1} << 20U;
     const Statm statm;
     std::uint64_t kept = 0;  // resident bytes of files when pages were dropped last
     std::unique_lock lock(mutex);
     while (!ending.wait_for(lock, kPause, [&] { return ends; })) {
       const Resident now = statm.now();
       kept = std::min(kept, now.of_files);
-      if (now.all <= most_bytes || now.of_files < kept + kWorthIt) continue;
+      const std::uint64_t others = now.all - std::min(now.all, now.of_files - kept);
+      const std::uint64_t room = (limit_bytes - std::min(limit_bytes, others)) / 2;
+      const std::uint64_t worth_it = std::clamp(room, kLeastWorthIt, kWorthIt);
+      if (now.all <= most_bytes || now.of_files < kept + worth_it) continue;
       drop_pages();
       kept = statm.now().of_files;
     }
@@ -205,8 +209,9 @@ DiskArrays::DiskArrays(const std::filesystem::path& folder, std::uint64_t reside
   (void)give_disk_array(trial);
   // What is written between two looks comes on top.
   const std::uint64_t trigger_bytes = resident_bytes - resident_bytes / 5;
-  implementation_->watcher =
-      std::thread([implementation = implementation_.get(), trigger_bytes] { implementation->watch(trigger_bytes); });
+  implementation_->watcher = std::thread([implementation = implementation_.get(), trigger_bytes, resident_bytes] {
+    implementation->watch(trigger_bytes, resident_bytes);
+  });
   in_force.store(true);
 }
 

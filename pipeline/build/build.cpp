@@ -30,6 +30,7 @@
 #include "pipeline/check/check_map.h"
 #include "pipeline/layers/layers.h"
 #include "pipeline/outofcore/finished_tiles.h"
+#include "pipeline/outofcore/memory.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/register/register.h"
 #include "pipeline/scan/repeated.h"
@@ -328,7 +329,7 @@ BuildResult build_scene(const scene::Config& given, const BuildOptions& options,
   scene::Config config = given;
   require_label_image(config);
   config.scans = without_repeats(given.scans, progress);
-  ThreadPool pool(options.threads);
+  ThreadPool pool(threads_within(options.memory_bytes, options.threads));
   ProjectedScans scans = project_scans(config, options, {pool, progress});
   Projection& projection = scans.projection;
 
@@ -435,7 +436,7 @@ void take_part_in_build(const scene::Config& given, const BuildOptions& options,
   const BuildOptions building = with_scratch_beside(options, folder);
   scene::Config config = given;
   config.scans = without_repeats(given.scans, progress);
-  ThreadPool pool(building.threads);
+  ThreadPool pool(threads_within(building.memory_bytes, building.threads));
   (void)project_scans(config, building, {pool, progress});
 }
 
@@ -458,7 +459,7 @@ BuildResult build_and_write(const scene::Config& config, const BuildOptions& opt
     if (options.grid_only) {
       write_file(target.temporary() / "report.json", report_json(*result.scene, result.report));
     } else {
-      ThreadPool pool(options.threads);
+      ThreadPool pool(threads_within(options.memory_bytes, options.threads));
       write_report(*result.scene, result.report, target.temporary(), pool);
     }
   });

@@ -502,6 +502,7 @@ class Builder {
     CloudOnDisk cloud = write_to_disk(scans, std::move(streamed), config_.grid.colour, config_.grid.intensity,
                                       scratch_folder(), options_.ranks, progress_);
     if (cloud.all == 0) throw no_points(config_);
+    if (limit_.bytes > 0) system::trim_heap();
     result_.points = {};
     result_.points.invalid = cloud.invalid;
     const std::vector<Eigen::Vector3d> sample_m = cloud.filters.kept.points();

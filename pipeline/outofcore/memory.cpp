@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -17,6 +18,7 @@ namespace {
 constexpr std::uint64_t kProgram = 70'000'000;      // code, libraries, buffers
 constexpr std::uint64_t kBeforeTiles = 50'000'000;  // of these what is there before points are measured, on disk
 constexpr std::uint64_t kLeastTilePoints = 100'000;
+constexpr std::uint64_t kThread = 16'000'000;  // of what is left, so that those of a stage are no large part of it
 
 // Bytes per point of a cloud in memory and what its projection sorts; filters need no more, but for voxels, for what
 // sorts points into cells, and for the places of moved points.
@@ -88,6 +90,14 @@ bool sorts_into_cells(const scene::FilterConfig& filter) {
 }
 
 }  // namespace
+
+unsigned threads_within(std::uint64_t bytes, unsigned threads) {
+  if (bytes == 0) return threads;
+  const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
+  const std::uint64_t fit = (bytes - std::min(bytes, kProgram)) / kThread;
+  const unsigned most = std::min(cores, static_cast<unsigned>(std::clamp<std::uint64_t>(fit, 1, 1024)));
+  return threads == 0 ? most : std::min(threads, most);
+}
 
 ScanAmount amount_of(const ScanSet& scans) {
   const std::uint64_t attributes =

@@ -23,6 +23,10 @@ struct MemoryLimit {
   [[nodiscard]] bool none() const { return bytes == 0 && points == 0; }
 };
 
+/// Threads of a build within so many `bytes`, 0 = no limit: `threads`, 0 = one a core, or as many as leave each its
+/// buffers and the watch of the resident set a core that is free at times.
+[[nodiscard]] unsigned threads_within(std::uint64_t bytes, unsigned threads);
+
 /// What decides how much memory scans take.
 struct ScanAmount {
   std::uint64_t points = 0;

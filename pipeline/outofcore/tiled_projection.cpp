@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/system.h"
 #include "pipeline/outofcore/memory.h"
 #include "pipeline/projection/attributes.h"
 #include "pipeline/projection/classification.h"
@@ -444,6 +445,7 @@ void TiledProjection::decide_classes(const Context& context, Projection& project
 
 Projection TiledProjection::run(const TileRoom& room, const std::filesystem::path& folder, const Context& context) {
   fill_buckets(folder, context);
+  if (room.limit.bytes > 0) system::trim_heap();  // buckets' buffers have gone
   Projection projection = plan_.empty_projection();
   const std::vector<Tile> tiles = own_tiles(cut(room, context));
   std::vector<std::uint8_t> verdicts(plan_.discs ? plan_.lattice.count() : 0);
@@ -452,6 +454,7 @@ Projection TiledProjection::run(const TileRoom& room, const std::filesystem::pat
     measure_tile(tiles[t], room.finished, context, projection, verdicts);
   }
   tile_memory_.clear();
+  if (room.limit.bytes > 0) system::trim_heap();  // sums of attributes come next
   if (ranks_ != nullptr) bring_rows_together(projection, verdicts);
   if (ranks_ != nullptr && !ranks_->is_root()) return projection;
   add_verdicts(verdicts, projection);
