@@ -1,6 +1,7 @@
 // sparsha build CONFIG|SCAN...: scans in, scene folder out.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <exception>
@@ -26,6 +27,7 @@
 #include "pipeline/build/on_ranks.h"
 #include "pipeline/cluster/ranks.h"
 #include "pipeline/outofcore/finished_tiles.h"
+#include "pipeline/outofcore/memory.h"
 #include "scene/config/config.h"
 #include "scene/folder/folder.h"
 
@@ -102,6 +104,9 @@ int run_build(const Arguments& arguments, const CommonOptions& common, pipeline:
   if (transport != nullptr) options.ranks = &ranks.emplace(*transport, terminal.progress());
   const bool is_root = !ranks || ranks->is_root();
   if (!arguments.validate && is_root) require_place(folder);
+  const bool looks = std::none_of(arguments.inputs.begin(), arguments.inputs.end(),
+                                  [](const std::string& input) { return is_config(input); });
+  pipeline::require_room_for_program(options.memory_bytes, looks);
   const scene::Config config = config_from(arguments.inputs, arguments.settings, common.trusted(), terminal.progress(),
                                            options.memory_bytes, options.force);
   audio::require_clips(config);  // before a long build, not when somebody wants to hear them

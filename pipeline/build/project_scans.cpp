@@ -83,7 +83,11 @@ constexpr std::uint64_t kTilePoints = 4'000'000;
 // Thrown while a build in memory turns out to exceed the limit.
 struct DoesNotFit {
   std::uint64_t bytes = 0;  ///< that it needs with the grid; 0 where that is not known
+  std::uint64_t least = 0;  ///< that it needs in any case, where that is not known
 };
+
+// Thrown while a filter leaves more voxels than fit.
+struct TooManyVoxels {};
 
 class Builder {
  public:
@@ -100,6 +104,7 @@ class Builder {
   }
 
   ProjectedScans run() {
+    if (limit_.bytes > 0) system::trim_heap();  // views may have been tried
     progress_.begin("read");
     ScanSet scans(config_.scans,
                   limit_.none() && !shared() && !resumes() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true,
@@ -124,11 +129,13 @@ class Builder {
         result_.sources = scans.sources();
         require_same_scans(*options_.ranks, result_.sources, scans.points(), scans.invalid());
       }
-      require_points_only(amount_of(scans), filters_, needed.bytes);
+      const std::uint64_t in_memory = needed.bytes > 0 ? needed.bytes : likely_in_memory(scans, needed.least);
+      require_points_only(amount_of(scans), filters_, in_memory);
       if (thins()) {
         build_thinned(scans);
       } else {
-        build_out_of_core(scans, needed.bytes);
+        limit_.in_memory = in_memory;
+        build_out_of_core(scans, in_memory);
       }
     }
     count_unread(scans.unread());
@@ -182,16 +189,8 @@ class Builder {
                           config_.grid.intensity && scans.has_intensity(), lattice);
   }
 
-  /// Of points that are built in memory only, which need so many `bytes`, with or without those of the grid.
   [[nodiscard]] Error refusal_in_memory(std::uint64_t points, std::uint64_t bytes, bool with_grid) const {
-    const std::string block = around() ? "around" : "unroll";
-    return Error(
-        ErrorKind::failure, {},
-        fmt::format("{}: {} points need about {} MB {} the grid in memory, more than the limit, and {} is built "
-                    "in memory only",
-                    block, points, bytes / 1'000'000U + 1, with_grid ? "with" : "and",
-                    around() ? "a whole object" : "an unrolled one"),
-        "a higher --memory, a voxel filter, or no block '" + block + "'");
+    return pipeline::refusal_in_memory(around(), points, bytes, with_grid);
   }
 
   [[nodiscard]] std::uint64_t more_than_windows(std::uint64_t bytes_per_point) const {
@@ -201,19 +200,50 @@ class Builder {
   /// Of a whole object, beside those of its front view.
   [[nodiscard]] std::uint64_t chart_bytes(const Cloud& cloud, const scene::Lattice& lattice) const {
     if (!around() || limit_.bytes == 0) return 0;
-    const double spacing_m = lattice.spacing_m;
+    const double per_place_m = kOfSpacing * lattice.spacing_m / scale();
     const bool mesh = !cloud.faces.empty();
-    const double per_place_m = kOfSpacing * spacing_m / scale();
     const double places = mesh ? area_of_faces(cloud) / (per_place_m * per_place_m) : static_cast<double>(cloud.size());
+    return chart_bytes(places, sample_of_kept(cloud).points(), mesh, lattice);
+  }
+  [[nodiscard]] std::uint64_t chart_bytes(double places, const std::vector<Eigen::Vector3d>& sample_m, bool mesh,
+                                          const scene::Lattice& lattice) const {
+    const double spacing_m = lattice.spacing_m;
     std::vector<double> depth_m;
-    for (const Eigen::Vector3d& p : sample_of_kept(cloud).points())
-      depth_m.push_back((scan_to_grid_ * p.homogeneous()).z());
+    for (const Eigen::Vector3d& p : sample_m) depth_m.push_back((scan_to_grid_ * p.homogeneous()).z());
     std::sort(depth_m.begin(), depth_m.end());
     // A few points far before or behind are no part of the object.
     const std::size_t few = depth_m.size() / 200;
     const double deep_m = depth_m.empty() ? 0.0 : depth_m[depth_m.size() - 1 - few] - depth_m[few];
     const double nz = deep_m / spacing_m + 1.0, nx = lattice.nx, ny = lattice.ny;
     return bytes_of_charts(places, 2.0 * (nx * ny + nx * nz + ny * nz), mesh);
+  }
+
+  /// What a build in memory needs whose points and nodes are these, `charts` of a whole object, bytes.
+  [[nodiscard]] std::uint64_t bytes_with_grid(const ScanSet& scans, double points, std::uint64_t charts,
+                                              const scene::Lattice& lattice, const ProjectionNeeds& needs) const {
+    std::uint64_t needed = bytes_in_memory(amount_of(scans), filters_) + node_bytes(scans, lattice) + charts;
+    // What is counted for a point is enough for windows; discs take more.
+    needed += more_than_windows(needs.bytes_per_point) * scans.points() + needs.column_bytes;
+    needed += needs.kept_side_bytes(points);
+    // Of a mesh as many places may be sampled as there are nodes.
+    const std::uint64_t places = scans.points() + (scans.faces() > 0 ? lattice.count() : 0U);
+    return checks() ? needed + bytes_of_sample(*config_.check, places, lattice) : needed;
+  }
+
+  /// The same by a sample, `least` at least, before a point is in memory; 0 where a sample does not tell.
+  [[nodiscard]] std::uint64_t likely_in_memory(const ScanSet& scans, std::uint64_t least) const {
+    constexpr std::uint64_t kMissing = 50;  // a part of it may be missing, since the sample's lattice is smaller
+    if (limit_.bytes == 0 || shared() || resumes()) return 0;
+    if (!oriented_ || unrolls() || (around() && scans.faces() > 0)) return 0;
+    const std::optional<SampledGrid> grid =
+        sampled_grid(scans.sample_m(), scan_to_grid_, config_.grid, config_.haptics.resolution_m, {pool_, progress_});
+    if (!grid) return 0;
+    const ProjectionNeeds needs = scans.faces() > 0 ? ProjectionNeeds() : grid->needs;  // those are of points
+    const auto points = static_cast<double>(scans.points());
+    const std::uint64_t charts = around() ? chart_bytes(points, scans.sample_m(), false, grid->lattice) : 0;
+    const std::uint64_t bytes = std::max({least, bytes_with_grid(scans, points, charts, grid->lattice, needs),
+                                          bytes_with_sides(amount_of(scans), needs.side_bytes(points))});
+    return bytes + bytes / kMissing;
   }
 
   void build_in_memory(ScanSet& scans) {
@@ -223,18 +253,12 @@ class Builder {
     points.read = cloud->size() + cloud->invalid;
     points.invalid = cloud->invalid;
     const auto approve_sides = [&](std::uint64_t bytes) {
-      if (limit_.bytes > 0 && bytes_with_sides(amount_of(scans), bytes) > limit_.bytes) throw DoesNotFit();
+      const std::uint64_t needed = bytes_with_sides(amount_of(scans), bytes);
+      if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit{0, needed};
     };
     const auto approve_nodes = [&](const scene::Lattice& lattice, const ProjectionNeeds& needs) {
-      std::uint64_t needed = bytes_in_memory(amount_of(scans), filters_) + node_bytes(scans, lattice);
-      needed += chart_bytes(*cloud, lattice);
-      // What is counted for a point is enough for windows; discs take more.
-      const auto size = static_cast<double>(cloud->size());
-      needed +=
-          more_than_windows(needs.bytes_per_point) * scans.points() + needs.column_bytes + needs.kept_side_bytes(size);
-      // Of a mesh as many places may be sampled as there are nodes.
-      const std::uint64_t places = scans.points() + (scans.faces() > 0 ? lattice.count() : 0U);
-      if (checks()) needed += bytes_of_sample(*config_.check, places, lattice);
+      const std::uint64_t needed =
+          bytes_with_grid(scans, static_cast<double>(cloud->size()), chart_bytes(*cloud, lattice), lattice, needs);
       if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit{needed};
       require_room(lattice, node_bytes(scans, lattice));
     };
@@ -408,37 +432,38 @@ class Builder {
     const auto& voxel = std::get<scene::VoxelConfig>(filters_[leading]);
     const std::uint64_t most = most_voxels(limit_);
     const Eigen::Vector3d& origin_m = scans.origin_m();
-    VoxelThinner thinner(origin_m, voxel.leaf_m, scans.has_colour(), scans.has_intensity());
+    auto thinner = std::make_unique<VoxelThinner>(origin_m, voxel.leaf_m, scans.has_colour(), scans.has_intensity());
     Report::Points points;
     points.invalid = scans.invalid();
     std::uint64_t kept = 0;
-    points.invalid += scans.stream(
-        [&](const CloudBlock& block) {
-          points.read += block.points.size();
-          at_key_of(filters_[leading], [&] {
-            for (std::size_t k = 0; k < block.points.size(); ++k) {
-              const Eigen::Vector3f& p = block.points[k];
-              if (!streamed.keep(block, k)) continue;
-              ++kept;
-              thinner.add(p.data(), block.rgba.empty() ? kNoColour : block.rgba[k],
-                          block.intensity.empty() ? kNoIntensity : block.intensity[k]);
-            }
-          });
-          if (thinner.voxels() <= most) return;
-          throw Error(
-              ErrorKind::failure, filters_[leading].place,
-              fmt::format("the filter 'voxel' leaves more than {} points, which do not fit the memory limit", most),
-              "a larger leaf_mm or a higher --memory");
-        },
-        progress_);
+    try {
+      points.invalid += scans.stream(
+          [&](const CloudBlock& block) {
+            points.read += block.points.size();
+            at_key_of(filters_[leading], [&] {
+              for (std::size_t k = 0; k < block.points.size(); ++k) {
+                const Eigen::Vector3f& p = block.points[k];
+                if (!streamed.keep(block, k)) continue;
+                ++kept;
+                thinner->add(p.data(), block.rgba.empty() ? kNoColour : block.rgba[k],
+                             block.intensity.empty() ? kNoIntensity : block.intensity[k]);
+              }
+            });
+            if (thinner->voxels() > most) throw TooManyVoxels();
+          },
+          progress_);
+    } catch (const TooManyVoxels&) {
+      thinner.reset();
+      throw refusal_of_voxels(scans, streamed, filters_[leading], progress_);
+    }
     if (points.read == 0) throw no_points(config_);
     FilterSteps steps = streamed.finish(progress_);
     FilterStep& voxels = steps.steps.emplace_back();
     voxels.name = scene::filter_name(filters_[leading]);
     voxels.merges = true;
-    voxels.removed = kept - thinner.voxels();
+    voxels.removed = kept - thinner->voxels();
     points.read += points.invalid;
-    const auto cloud = std::make_shared<Cloud>(thinner.finish());
+    const auto cloud = std::make_shared<Cloud>(thinner->finish());
     cloud->stations = scans.stations();
     const std::vector<scene::FilterConfig> rest(filters_.begin() + static_cast<std::ptrdiff_t>(leading) + 1,
                                                 filters_.end());
@@ -480,11 +505,15 @@ class Builder {
     MemoryLimit limit = limit_;
     limit.nodes_on_disk = may_put_nodes_on_disk();
     const auto all = static_cast<double>(scans.points());
-    pipeline::require_room_for_sides(limit, grid->needs.side_bytes(all));
     limit.beside = grid->needs.kept_side_bytes(all);
+    const std::uint64_t sample_bytes = checks() ? bytes_of_sample(*config_.check, scans.points(), grid->lattice) : 0;
+    limit.floor = bytes_on_disk(limit, grid->needs.side_bytes(all), node_bytes(scans, grid->lattice),
+                                grid->needs.bytes_per_point, sample_bytes, grid->lattice);
+    limit.floor += limit.floor / 50;  // the lattice of all points is larger
     require_room_about_nodes(limit, scans.sample_m(), scans.points(), scan_to_grid_, *grid);
     require_room_likely(limit, checks() ? &*config_.check : nullptr, scans.points(), node_bytes(scans, grid->lattice),
                         grid->needs.bytes_per_point, grid->lattice);
+    pipeline::require_room_for_sides(limit, grid->needs.side_bytes(all));
   }
 
   /// `needed` in memory with the grid, bytes; 0 where that is not known.
@@ -496,6 +525,7 @@ class Builder {
       throw refusal_in_memory(scans.points(), least, needed > 0);
     }
     require_room_by_sample(scans);
+    require_room_on_disk(limit_);
     progress_.begin("points to disk");
     StreamedFilters streamed(scans, filters_, {pool_, progress_});
     if (!oriented_ || finds_pillars() || shows_sides()) streamed.sample_kept();
@@ -511,7 +541,12 @@ class Builder {
 
     use_sample(sample_m, cloud.stations);
     progress_.begin("project");
-    const auto approve_sides = [&](std::uint64_t bytes) { require_room_for_sides(bytes); };
+    const auto approve_sides = [&](std::uint64_t bytes) {
+      // All points may show sides near each other that a sample does not.
+      if (limit_.in_memory > 0)
+        limit_.in_memory = std::max(limit_.in_memory, bytes_with_sides(amount_of(scans), bytes));
+      require_room_for_sides(bytes);
+    };
     TiledProjection tiled(std::move(cloud), scan_to_grid_, config_.grid, config_.haptics.resolution_m, options_.ranks,
                           approve_sides, {pool_, progress_});
     const scene::Lattice& lattice = tiled.plan().lattice;
@@ -519,6 +554,10 @@ class Builder {
     const std::uint64_t nodes = node_bytes(scans, lattice);
     const std::uint64_t bytes_per_point = tiled.needs().bytes_per_point;
     limit_.beside = tiled.needs().kept_side_bytes(tiled.needs().points);
+    if (limit_.in_memory > 0) {
+      const std::uint64_t now = bytes_with_grid(scans, tiled.needs().points, 0, lattice, tiled.needs());
+      limit_.in_memory = std::max(limit_.in_memory, now);
+    }
     if (tiled.plan().discs) save_memory();
     put_nodes_on_disk_unless_they_fit(nodes, bytes_per_point, sample_bytes, lattice);
     if (!limit_.nodes_on_disk) require_room(lattice, nodes);

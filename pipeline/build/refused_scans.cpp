@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/system.h"
-#include "pipeline/filter/streamed.h"
+#include "pipeline/filter/voxel.h"
 #include "scene/config/config.h"
 
 namespace sparsha::pipeline {
@@ -39,19 +39,45 @@ void require_room(const scene::Lattice& lattice, std::uint64_t bytes) {
 
 void require_points_only(const ScanAmount& amount, const std::vector<scene::FilterConfig>& filters,
                          std::uint64_t bytes) {
-  if (amount.faces > 0) {
-    throw refusal_of_mesh(amount, bytes > 0 ? bytes : bytes_in_memory(amount, filters), bytes > 0);
-  }
+  const std::uint64_t needed = bytes > 0 ? bytes : bytes_in_memory(amount, filters);
+  if (amount.faces > 0) throw refusal_of_mesh(amount, needed, bytes > 0);
   for (const scene::FilterConfig& filter : filters) {
     if (std::holds_alternative<scene::VoxelConfig>(filter)) return;  // what follows it has a cloud in memory
     if (can_be_streamed(filter)) continue;
     const std::string name = scene::filter_name(filter);
     throw Error(ErrorKind::failure, filter.place,
-                fmt::format("{} points need about {} MB and the grid in memory, more than the limit, and the filter "
+                fmt::format("{} points need about {} MB {} the grid in memory, more than the limit, and the filter "
                             "'{}' works in memory only",
-                            amount.points, bytes_in_memory(amount, filters) / 1'000'000U + 1, name),
+                            amount.points, needed / 1'000'000U + 1, bytes > 0 ? "with" : "at least and", name),
                 "a higher --memory, a voxel filter before it" + without(filter, name));
   }
+}
+
+Error refusal_in_memory(bool around, std::uint64_t points, std::uint64_t bytes, bool with_grid) {
+  const std::string block = around ? "around" : "unroll";
+  return Error(ErrorKind::failure, {},
+               fmt::format("{}: {} points need about {} MB {} the grid in memory, more than the limit, and {} is built "
+                           "in memory only",
+                           block, points, bytes / 1'000'000U + 1, with_grid ? "with" : "at least and",
+                           around ? "a whole object" : "an unrolled one"),
+               "a higher --memory, a voxel filter, or no block '" + block + "'");
+}
+
+Error refusal_of_voxels(const ScanSet& scans, StreamedFilters& streamed, const scene::FilterConfig& filter,
+                        Progress& progress) {
+  constexpr std::uint64_t kErrors = 25;  // a part of the count: five standard errors of it
+  VoxelCounter counter(scans.origin_m(), std::get<scene::VoxelConfig>(filter).leaf_m);
+  (void)scans.stream(
+      [&](const CloudBlock& block) {
+        for (std::size_t k = 0; k < block.points.size(); ++k)
+          if (streamed.keep(block, k)) counter.add(block.points[k].data());
+      },
+      progress);
+  const std::uint64_t voxels = counter.voxels() + counter.voxels() / kErrors;
+  return Error(ErrorKind::failure, filter.place,
+               fmt::format("the filter 'voxel' leaves about {} points, which need about {} MB, more than the limit",
+                           counter.voxels(), bytes_of_voxels(voxels) / 1'000'000U + 1),
+               "a larger leaf_mm or a higher --memory");
 }
 
 }  // namespace sparsha::pipeline

@@ -74,6 +74,11 @@ void check_leaf(double leaf_m, double far_m) {
   }
 }
 
+/// Of one coordinate, in leaves from the scan frame's zero.
+double leaves_of(const Eigen::Vector3d& origin_m, double leaf_m, const float* xyz, std::size_t axis) {
+  return (origin_m[static_cast<Eigen::Index>(axis)] + static_cast<double>(xyz[axis])) / leaf_m;
+}
+
 float away_from_origin(const float* xyz) {
   return std::max(std::max(std::fabs(xyz[0]), std::fabs(xyz[1])), std::fabs(xyz[2]));
 }
@@ -111,7 +116,7 @@ class VoxelThinner::Sums final : public Implementation {
     Waiting& point = waiting_[next_ % kAhead];
     if (next_ >= kAhead) use(point);
     for (std::size_t k = 0; k < 3; ++k) {
-      const double leaves = (origin_m_[static_cast<Eigen::Index>(k)] + static_cast<double>(xyz[k])) / leaf_m_;
+      const double leaves = leaves_of(origin_m_, leaf_m_, xyz, k);
       const double below = std::floor(leaves);
       point.cell[k] = static_cast<std::int64_t>(below);
       point.place[k] = static_cast<std::int64_t>((leaves - below) * kUnits);
@@ -238,6 +243,20 @@ void VoxelThinner::add(const float* xyz, std::uint32_t rgba, float intensity) {
 }
 
 Cloud VoxelThinner::finish() { return implementation_->finish(); }
+
+void VoxelCounter::add(const float* xyz) {
+  Cell cell{};
+  for (std::size_t k = 0; k < cell.size(); ++k)
+    cell[k] = static_cast<std::int64_t>(std::floor(leaves_of(origin_m_, leaf_m_, xyz, k)));
+  const auto counts = [&](std::uint64_t hash) { return halvings_ == 0 || hash >> (64U - halvings_) == 0; };
+  const std::uint64_t hash = hash_cell(cell);
+  if (!counts(hash)) return;
+  hashes_.insert(hash);
+  while (hashes_.size() > kMost) {
+    ++halvings_;
+    std::erase_if(hashes_, [&](std::uint64_t other) { return !counts(other); });
+  }
+}
 
 void thin_to_voxels(Cloud& cloud, double leaf_m, Progress& progress) {
   float away = 0.0F;

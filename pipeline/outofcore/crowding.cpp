@@ -117,7 +117,7 @@ void require_room_about_nodes(const MemoryLimit& limit, const std::vector<Eigen:
   };
   const std::uint64_t surely = of_all(counts.most(kNear), -kSigmas);
   if (bytes_for(surely) <= limit.bytes) return;
-  const auto megabytes = [&](std::uint64_t about) { return bytes_for(about) / 1'000'000U + 1; };
+  const auto megabytes = [&](std::uint64_t about) { return enough_of(limit, bytes_for(about)) / 1'000'000U + 1; };
   const std::uint64_t least = megabytes(of_all(counts.most(kNear), 0.0));
   const std::uint64_t enough = megabytes(of_all(counts.most(kFar), kSigmas));
   throw Error(

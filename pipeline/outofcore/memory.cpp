@@ -15,8 +15,12 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr std::uint64_t kProgram = 70'000'000;      // code, libraries, buffers
-constexpr std::uint64_t kBeforeTiles = 50'000'000;  // of these what is there before points are measured, on disk
+constexpr std::uint64_t kProgram = 70'000'000;       // code, libraries, buffers
+constexpr std::uint64_t kBeforeTiles = 50'000'000;   // of these what is there before points are measured, on disk
+constexpr std::uint64_t kLeastProgram = 45'000'000;  // with the buffers of few points
+constexpr std::uint64_t kRead = 30'000'000;          // while scans are looked at
+constexpr std::uint64_t kLook = 66'000'000;          // while views of scans are tried
+constexpr std::uint64_t kBuffered = 120;             // of these buffers, a point
 constexpr std::uint64_t kLeastTilePoints = 100'000;
 constexpr std::uint64_t kThread = 16'000'000;  // of what is left, so that those of a stage are no large part of it
 
@@ -25,6 +29,7 @@ constexpr std::uint64_t kThread = 16'000'000;  // of what is left, so that those
 constexpr std::uint64_t kPoint = 64;
 constexpr std::uint64_t kAttribute = 4;
 constexpr std::uint64_t kVoxel = 140;
+constexpr std::uint64_t kVoxels = 2 * (kVoxel + kPoint);  // the table of voxels doubles as it grows
 constexpr std::uint64_t kCells = 48;
 constexpr std::uint64_t kMoved = 12;
 constexpr std::uint64_t kFace = 56;
@@ -49,6 +54,7 @@ constexpr double kBoxNode = 40.0;
 
 // Bytes of a bin's start, which a tile has in memory, and of the points' bytes the part that they may take as well.
 constexpr std::uint64_t kBin = 4;
+constexpr std::uint64_t kTileNode = 9;  // with height and state of the tile's own node
 constexpr std::uint64_t kOfTile = 5;
 
 // Bytes per node.
@@ -72,6 +78,12 @@ double texture_scratch(const scene::TextureConfig& texture) {
   return texture.method == scene::TextureConfig::Method::opencv ? kOpenCvScratch : 0.0;
 }
 
+// Of meshes nothing less was measured.
+std::uint64_t program_bytes(const ScanAmount& scans) {
+  if (scans.faces > 0) return kProgram;
+  return kLeastProgram + std::min(kProgram - kLeastProgram, kBuffered * scans.points);
+}
+
 // Of the nodes' bytes those that must have room in memory: where they lie on disk, what the threads of a stage touch
 // before pages are dropped.
 std::uint64_t resident_bytes(const MemoryLimit& limit, std::uint64_t node_bytes) {
@@ -79,9 +91,18 @@ std::uint64_t resident_bytes(const MemoryLimit& limit, std::uint64_t node_bytes)
   return limit.nodes_on_disk ? std::min(node_bytes, kTouched) : node_bytes;
 }
 
-// Of the memory that is left beside nodes on disk, that for the points of a tile; the rest is for its bins and spares
-// nodes the way from the disk.
-std::uint64_t of_tiles(std::uint64_t left) { return left / 10 * 7; }
+// Of the memory that is left beside the nodes, that for the points of a tile; the rest is for its bins and rows, which
+// are no more than those of the whole grid, and spares nodes on disk the way from there.
+std::uint64_t of_tiles(const MemoryLimit& limit, std::uint64_t left, const scene::Lattice& lattice) {
+  const std::uint64_t rest = left / 10 * 3;
+  return left - (limit.nodes_on_disk ? rest : std::min<std::uint64_t>(rest, kTileNode * lattice.count()));
+}
+
+// The rest beside so many bytes of points.
+std::uint64_t beside_points(const MemoryLimit& limit, std::uint64_t bytes, const scene::Lattice& lattice) {
+  const std::uint64_t rest = bytes / 7 * 3 + 10;
+  return limit.nodes_on_disk ? rest : std::min<std::uint64_t>(rest, kTileNode * lattice.count());
+}
 
 bool sorts_into_cells(const scene::FilterConfig& filter) {
   return std::holds_alternative<scene::RadiusOutlierConfig>(filter) ||
@@ -97,6 +118,20 @@ unsigned threads_within(std::uint64_t bytes, unsigned threads) {
   const std::uint64_t fit = (bytes - std::min(bytes, kProgram)) / kThread;
   const unsigned most = std::min(cores, static_cast<unsigned>(std::clamp<std::uint64_t>(fit, 1, 1024)));
   return threads == 0 ? most : std::min(threads, most);
+}
+
+void require_room_for_program(std::uint64_t bytes, bool looks) {
+  const std::uint64_t least = looks ? kLook : kRead;
+  if (bytes == 0 || bytes >= least) return;
+  throw Error(ErrorKind::failure, {},
+              fmt::format("a build needs at least about {} MB, more than the limit of {} MB", least / 1'000'000U,
+                          bytes / 1'000'000U),
+              "a higher --memory");
+}
+
+std::uint64_t enough_of(const MemoryLimit& limit, std::uint64_t bytes) {
+  const std::uint64_t enough = std::max(bytes, limit.floor);
+  return limit.in_memory > 0 ? std::min(enough, limit.in_memory) : enough;
 }
 
 ScanAmount amount_of(const ScanSet& scans) {
@@ -115,20 +150,35 @@ std::uint64_t bytes_in_memory(const ScanAmount& scans, const std::vector<scene::
     a_point += kCells;
   }
   if (smooths) a_point += kMoved;
-  return kProgram + a_point * scans.points + kFace * scans.faces;
+  return program_bytes(scans) + a_point * scans.points + kFace * scans.faces;
 }
 
 std::uint64_t bytes_with_sides(const ScanAmount& scans, std::uint64_t side_bytes) {
-  return kProgram + (kOriented + scans.attributes * kAttribute) * scans.points + kFace * scans.faces + side_bytes;
+  return program_bytes(scans) + (kOriented + scans.attributes * kAttribute) * scans.points + kFace * scans.faces +
+         side_bytes;
 }
 
 void require_room_for_sides(const MemoryLimit& limit, std::uint64_t side_bytes) {
-  const std::uint64_t needed = kBeforeTiles + side_bytes;
-  if (limit.bytes == 0 || needed <= limit.bytes) return;
+  if (limit.bytes == 0 || kBeforeTiles + side_bytes <= limit.bytes) return;
+  const std::uint64_t needed = enough_of(limit, kBeforeTiles + side_bytes);
   throw Error(ErrorKind::failure, {},
               fmt::format("to tell the sides of this object apart takes about {} MB, more than the limit of {} MB",
                           needed / 1'000'000U + 1, limit.bytes / 1'000'000U),
               "a higher --memory or a voxel filter");
+}
+
+void require_room_on_disk(const MemoryLimit& limit) {
+  if (limit.bytes == 0 || limit.bytes >= kProgram) return;
+  throw Error(ErrorKind::failure, {},
+              fmt::format("a build of so many points needs at least about {} MB, more than the limit of {} MB",
+                          enough_of(limit, kProgram) / 1'000'000U + 1, limit.bytes / 1'000'000U),
+              "a higher --memory");
+}
+
+std::uint64_t bytes_on_disk(const MemoryLimit& limit, std::uint64_t side_bytes, std::uint64_t node_bytes,
+                            std::uint64_t bytes_per_point, std::uint64_t sample_bytes, const scene::Lattice& lattice) {
+  return std::max({kBeforeTiles + side_bytes, kProgram + resident_bytes(limit, node_bytes) + sample_bytes,
+                   bytes_with_tile(limit, kLeastTilePoints, bytes_per_point, lattice)});
 }
 
 bool may_fit(const MemoryLimit& limit, const ScanAmount& scans, const std::vector<scene::FilterConfig>& filters) {
@@ -140,7 +190,7 @@ Error refusal_of_mesh(const ScanAmount& scans, std::uint64_t bytes, bool with_gr
   return Error(ErrorKind::failure, {},
                fmt::format("{} points and {} faces need about {} MB {} the grid in memory, more than the limit, and "
                            "scans with faces are built in memory only",
-                           scans.points, scans.faces, bytes / 1'000'000U + 1, with_grid ? "with" : "and"),
+                           scans.points, scans.faces, bytes / 1'000'000U + 1, with_grid ? "with" : "at least and"),
                "a higher --memory");
 }
 
@@ -205,29 +255,29 @@ void require_room_for_sample(const MemoryLimit& limit, const scene::CheckConfig&
   if (limit.bytes == 0 || needed <= limit.bytes) return;
   throw Error(ErrorKind::failure, {},
               fmt::format("the sample of the cross-check needs about {} MB with the grid, more than the limit of {} MB",
-                          needed / 1'000'000U + 1, limit.bytes / 1'000'000U),
+                          enough_of(limit, needed) / 1'000'000U + 1, limit.bytes / 1'000'000U),
               "fewer check.samples or a higher --memory");
 }
 
 std::uint64_t most_voxels(const MemoryLimit& limit) {
-  constexpr std::uint64_t kBytes = 2 * (kVoxel + kPoint);  // the table doubles as it grows
   std::uint64_t voxels = std::numeric_limits<std::uint32_t>::max();
-  if (limit.bytes > 0) voxels = limit.bytes > kProgram ? (limit.bytes - kProgram) / kBytes : 0;
+  if (limit.bytes > 0) voxels = limit.bytes > kProgram ? (limit.bytes - kProgram) / kVoxels : 0;
   return limit.points > 0 ? std::min(voxels, limit.points) : voxels;
 }
 
+std::uint64_t bytes_of_voxels(std::uint64_t voxels) { return kProgram + kVoxels * voxels; }
+
 bool nodes_fit(const MemoryLimit& limit, std::uint64_t node_bytes, std::uint64_t bytes_per_point,
                std::uint64_t sample_bytes, const scene::Lattice& lattice) {
-  return limit.bytes == 0 ||
-         std::max(kProgram + resident_bytes(limit, node_bytes) + sample_bytes,
-                  bytes_with_tile(limit, kLeastTilePoints, bytes_per_point, lattice)) <= limit.bytes;
+  return limit.bytes == 0 || bytes_on_disk(limit, 0, node_bytes, bytes_per_point, sample_bytes, lattice) <= limit.bytes;
 }
 
 std::uint64_t bytes_with_tile(const MemoryLimit& limit, std::uint64_t points, std::uint64_t bytes_per_point,
                               const scene::Lattice& lattice) {
   const double heights = kHeights * static_cast<double>(lattice.count());
   return std::max(kProgram, kBeforeTiles + limit.beside) + resident_bytes(limit, static_cast<std::uint64_t>(heights)) +
-         points * bytes_per_point;
+         points * bytes_per_point +
+         (points > kLeastTilePoints ? beside_points(limit, points * bytes_per_point, lattice) : 0U);
 }
 
 std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_bytes, std::uint64_t bytes_per_point,
@@ -238,21 +288,21 @@ std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_byte
     const std::uint64_t least =
         std::max(kProgram + nodes, bytes_with_tile(limit, kLeastTilePoints, bytes_per_point, lattice));
     if (least > limit.bytes) {
-      const std::uint64_t enough = std::max(least, kProgram + nodes + sample_bytes);
+      const std::uint64_t enough = enough_of(limit, std::max(least, kProgram + nodes + sample_bytes));
       throw Error(ErrorKind::failure, {},
                   fmt::format("the grid of {} x {} nodes and its layers need about {} MB, more than the limit of {} MB",
                               lattice.nx, lattice.ny, enough / 1'000'000U + 1, limit.bytes / 1'000'000U),
                   "a smaller grid.size, a larger grid.spacing_mm or a higher --memory");
     }
-    std::uint64_t left = limit.bytes - bytes_with_tile(limit, 0, bytes_per_point, lattice);
-    if (limit.nodes_on_disk) left = std::max(of_tiles(left), kLeastTilePoints * bytes_per_point);
+    const std::uint64_t all = limit.bytes - bytes_with_tile(limit, 0, bytes_per_point, lattice);
+    const std::uint64_t left = std::max(of_tiles(limit, all, lattice), kLeastTilePoints * bytes_per_point);
     points = std::min(points, left / bytes_per_point);
   }
   return limit.points > 0 ? std::min(points, limit.points) : points;
 }
 
 std::uint64_t bins_beside(const MemoryLimit& limit, std::uint64_t points, std::uint64_t bytes_per_point) {
-  if (!limit.nodes_on_disk) return std::numeric_limits<std::uint64_t>::max();
+  if (limit.bytes == 0) return std::numeric_limits<std::uint64_t>::max();
   return points * bytes_per_point / kOfTile / kBin;
 }
 

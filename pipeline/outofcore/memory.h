@@ -19,6 +19,9 @@ struct MemoryLimit {
   /// Arrays of nodes lie in files (base/system/disk_arrays.h), and a share of the limit is for what is touched of them.
   bool nodes_on_disk = false;
   std::uint64_t beside = 0;  ///< of `bytes` those that are taken while points are measured, whatever tiles there are
+  /// For what refusals name: what any way of building takes at least, and what a build in memory takes, which is enough
+  /// in any case; 0 where it is not known.
+  std::uint64_t floor = 0, in_memory = 0;
 
   [[nodiscard]] bool none() const { return bytes == 0 && points == 0; }
 };
@@ -26,6 +29,13 @@ struct MemoryLimit {
 /// Threads of a build within so many `bytes`, 0 = no limit: `threads`, 0 = one a core, or as many as leave each its
 /// buffers and the watch of the resident set a core that is free at times.
 [[nodiscard]] unsigned threads_within(std::uint64_t bytes, unsigned threads);
+
+/// Throws Error{failure} when scans cannot even be looked at within so many `bytes`; 0 = no limit. `looks`: views of
+/// them are tried as well.
+void require_room_for_program(std::uint64_t bytes, bool looks);
+
+/// The memory that a refusal names, of which so many `bytes` turned out to be needed.
+[[nodiscard]] std::uint64_t enough_of(const MemoryLimit& limit, std::uint64_t bytes);
 
 /// What decides how much memory scans take.
 struct ScanAmount {
@@ -44,6 +54,15 @@ struct ScanAmount {
 
 /// The most that a build in memory needs while it tells sides apart, which takes `side_bytes`: nothing is sorted yet.
 [[nodiscard]] std::uint64_t bytes_with_sides(const ScanAmount& scans, std::uint64_t side_bytes);
+
+/// Throws Error{failure} before points go to disk where that alone takes more than the limit.
+void require_room_on_disk(const MemoryLimit& limit);
+
+/// The least that a build needs whose points are on disk, bytes. `side_bytes`: see require_room_for_sides(); otherwise
+/// as nodes_fit().
+[[nodiscard]] std::uint64_t bytes_on_disk(const MemoryLimit& limit, std::uint64_t side_bytes, std::uint64_t node_bytes,
+                                          std::uint64_t bytes_per_point, std::uint64_t sample_bytes,
+                                          const scene::Lattice& lattice);
 
 /// Throws Error{failure} when sides cannot be told apart within the limit, with points on disk.
 void require_room_for_sides(const MemoryLimit& limit, std::uint64_t side_bytes);
@@ -81,6 +100,9 @@ void require_room_for_sample(const MemoryLimit& limit, const scene::CheckConfig&
 /// Voxels that a filter may leave. The largest number without a limit.
 [[nodiscard]] std::uint64_t most_voxels(const MemoryLimit& limit);
 
+/// What so many voxels need, bytes.
+[[nodiscard]] std::uint64_t bytes_of_voxels(std::uint64_t voxels);
+
 /// Whether nodes that need `node_bytes` at most fit beside tiles of a useful size and the cross-check's sample.
 [[nodiscard]] bool nodes_fit(const MemoryLimit& limit, std::uint64_t node_bytes, std::uint64_t bytes_per_point,
                              std::uint64_t sample_bytes, const scene::Lattice& lattice);
@@ -95,8 +117,7 @@ void require_room_for_sample(const MemoryLimit& limit, const scene::CheckConfig&
                                              std::uint64_t bytes_per_point, std::uint64_t sample_bytes,
                                              const scene::Lattice& lattice);
 
-/// Bins that a tile of so many points may have. Without a bound where nodes are in memory, since tiles as high as the
-/// grid then need no more than later stages.
+/// Bins that a tile of so many points may have. Without a bound where there is no limit of bytes.
 [[nodiscard]] std::uint64_t bins_beside(const MemoryLimit& limit, std::uint64_t points, std::uint64_t bytes_per_point);
 
 /// Of a lattice that a sample of the points has: throws as the two above when even one with a twentieth less of nodes

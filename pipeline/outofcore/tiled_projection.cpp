@@ -257,8 +257,9 @@ std::vector<Tile> TiledProjection::cut_counted(const TileRoom& room, int halo, c
   } catch (const Error&) {
     const std::uint64_t most = most_about_a_node(halo);
     const std::uint64_t columns = columns_of_row(room.limit) * static_cast<std::uint64_t>(2 * halo + 1);
-    const std::uint64_t bytes = bytes_with_tile(room.limit, most + columns, plan_.bytes_per_point(), plan_.lattice) +
-                                bin_points_.size() * sizeof(bin_points_[0]);
+    const std::uint64_t bytes =
+        enough_of(room.limit, bytes_with_tile(room.limit, most + columns, plan_.bytes_per_point(), plan_.lattice) +
+                                  bin_points_.size() * sizeof(bin_points_[0]));
     throw Error(
         ErrorKind::failure, {},
         fmt::format("{} points lie about a single node of the grid, which need about {} MB, more than the limit", most,

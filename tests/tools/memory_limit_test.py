@@ -29,6 +29,21 @@ def write_ply(path, points):
         points.tofile(file)
 
 
+def write_text_and_attributes(folder, points):
+    """The same points as a table, and as PLY with colours and intensities."""
+    count = len(points) // 3
+    with open(os.path.join(folder, "wavy.xyz"), "w") as file:
+        file.writelines("%.6f %.6f %.6f\n" % tuple(points[3 * k:3 * k + 3]) for k in range(count))
+    with open(os.path.join(folder, "rich.ply"), "wb") as file:
+        file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % count)
+        file.write(b"property float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n")
+        file.write(b"property uchar blue\nproperty float intensity\nend_header\n")
+        file.writelines(struct.pack("<3f3Bf", *points[3 * k:3 * k + 3], k % 256, k // 256 % 256, 90, points[3 * k])
+                        for k in range(count))
+    with open(os.path.join(folder, "small.xyz"), "w") as file:
+        file.writelines("%.6f %.6f %.6f\n" % tuple(points[3 * k:3 * k + 3]) for k in range(30_000))
+
+
 def wavy(random_):
     points = array.array("f")
     for _ in range(POINTS):
@@ -199,6 +214,73 @@ def grids_on_disk(folder, limit_mb):
     return failures
 
 
+def layers_and_threads(folder):
+    """What is wrong with attributes, whose sums take 56 bytes a node, with many threads, and with tables of text."""
+    failures = []
+    for name, grid in (("rich.ply", "size: 1500, colour: true, intensity: true"), ("wavy.xyz", "size: 1500")):
+        with open(os.path.join(folder, "layers.yaml"), "w") as config:
+            config.write(f"scans: [{{file: {name}, units: m}}]\ngrid: {{{grid}}}\nfill: {{max_gap_mm: 5}}\n"
+                         "texture: {}\nfriction: {}\ncheck: {samples: 20000}\n")
+
+        def build(limit_mb, threads):
+            code, peak, text = peak_of(["build", "layers.yaml", "--out", "layers", "--force", "--threads", str(threads),
+                                        "--memory", f"{limit_mb}MB"], folder)
+            if peak > 1.05e6 * limit_mb:
+                failures.append(f"{name}, {threads} threads, limit {limit_mb} MB: exit {code}, peak {peak / 1e6:.0f} MB")
+            return code, text
+
+        code, text = build(76, 2)
+        needed = re.findall(r"need about (\d+) MB", text)
+        if code != 1 or not needed:
+            failures.append(f"{name}, limit 76 MB: exit {code}, {text}")
+            continue
+        for limit_mb in (int(needed[-1]), int(needed[-1]) + 6):
+            for threads in (1, 8, 64):
+                code, text = build(limit_mb, threads)
+                if code != 0:
+                    failures.append(f"{name}: {needed[-1]} MB were said to be enough; {limit_mb} MB: {text}")
+    return failures
+
+
+def first_refusals(folder):
+    """What is wrong with the first limit that a refusal names: it is enough where the grid's size is known."""
+    failures = []
+    cases = [("wavy.ply", 300, f"filters: [{filter_}]", 80) for filter_ in (
+        "outliers: {neighbours: 8, sigma: 3}", "smooth: {radius_mm: 3}", "thin: {points_per_node: 4}", "voxel: {leaf_mm: 1.5}")]
+    cases += [("ball.ply", 400, "around: {}", 80), ("wavy.ply", 1600, "texture: {}", 40),
+              ("wavy.ply", 1600, "texture: {}", 71)]
+    for name, size, block, limit_mb in cases:
+        with open(os.path.join(folder, "first.yaml"), "w") as config:
+            config.write(f"scans: [{{file: {name}, units: m}}]\ngrid: {{size: {size}}}\n{block}\ncheck: {{samples: 20000}}\n")
+        said = []
+        for _ in range(3):
+            code, peak, text = peak_of(["build", "first.yaml", "--out", "first", "--force", "--memory", f"{limit_mb}MB"], folder)
+            if peak > 1.05e6 * limit_mb:
+                failures.append(f"{name}, {block}, limit {limit_mb} MB: exit {code}, peak {peak / 1e6:.0f} MB")
+            if code == 0:
+                break
+            needed = re.findall(r"need(?:s at least)? about (\d+) MB", text)
+            if code != 1 or not needed or ("at least" not in text and said):
+                failures.append(f"{name}, {block}, limit {limit_mb} MB, after {said}: exit {code}, {text}")
+                break
+            if "at least" not in text:
+                said.append(text)
+            limit_mb = int(needed[-1])
+        if code != 0:
+            failures.append(f"{name}, {block}: not built in three steps, {text}")
+    # No more is asked of few points than they take.
+    with open(os.path.join(folder, "first.yaml"), "w") as config:
+        config.write("scans: [{file: small.xyz, units: m}]\ngrid: {size: 300}\ntexture: {}\n")
+    code, peak, text = peak_of(["build", "first.yaml", "--out", "first", "--force", "--memory", "60MB"], folder)
+    if code != 0 or peak > 1.05e6 * 60:
+        failures.append(f"small.xyz, limit 60 MB: exit {code}, peak {peak / 1e6:.0f} MB, {text}")
+    # Without a configuration, views are tried before the grid is known.
+    code, peak, text = peak_of(["build", "wavy.ply", "--out", "first", "--force", "--memory", "50MB"], folder)
+    if code != 1 or "at least" not in text or peak > 1.05e6 * 50:
+        failures.append(f"wavy.ply, limit 50 MB: exit {code}, peak {peak / 1e6:.0f} MB, {text}")
+    return failures
+
+
 def whole_objects(folder):
     """What is wrong with an object that is touched from all sides: six sides of nodes, and points told apart by side."""
     failures = []
@@ -230,7 +312,16 @@ def main():
     failures = large_meshes(1582 if "SPARSHA_NIGHTLY" in os.environ else 900)
     random_ = random.Random(7)
     with tempfile.TemporaryDirectory() as folder:
-        write_ply(os.path.join(folder, "wavy.ply"), wavy(random_))
+        # Beside a child's peak ours counts, so that another process writes what takes more memory.
+        relief = wavy(random_)
+        write_ply(os.path.join(folder, "wavy.ply"), relief)
+        writer = os.fork()
+        if writer == 0:
+            write_text_and_attributes(folder, relief)
+            os._exit(0)
+        if os.waitpid(writer, 0)[1] != 0:
+            return "the scans were not written"
+        del relief
         for shape in (ball, ring, coin):
             write_ply(os.path.join(folder, shape.__name__ + ".ply"), shape(random_))
         write_mesh(folder, 450)
@@ -247,6 +338,8 @@ def main():
 
         failures += grids_on_disk(folder, 115)
         failures += whole_objects(folder)
+        failures += layers_and_threads(folder)
+        failures += first_refusals(folder)
 
         # The points about a node of a closed object do not fit: said before they go to disk.
         code, text = build("ball.ply", 6, 76)
