@@ -158,8 +158,16 @@ ordered_json absent(std::string_view path, int numbers) {
   return {{"properties", {{name, in_list ? ordered_json{{"items", inside}} : inside}}}};
 }
 
+/// That the key of a block at the root is not that word.
+ordered_json other_than(std::string_view path, std::string_view word) {
+  const ordered_json key{{std::string(scene::name_of(path)), {{"not", {{"const", std::string(word)}}}}}};
+  return {{"properties", {{std::string(scene::block_of(path)), {{"properties", key}}}}}};
+}
+
 void add_rules(ordered_json& rules, const scene::Relation& relation) {
-  const ordered_json none = absent(relation.path, relation.numbers), other = present(relation.other);
+  const ordered_json none =
+      relation.word.empty() ? absent(relation.path, relation.numbers) : other_than(relation.path, relation.word);
+  const ordered_json other = present(relation.other);
   if (relation.rule == scene::Relation::Rule::needs)
     rules.push_back({{"anyOf", {none, other}}});
   else

@@ -26,7 +26,10 @@ void read_heights(const std::filesystem::path& folder, const LayerRegion& region
   const double base = grid.lattice.origin_m.z();
   const double low = scene.height_min_m - base, high = scene.height_max_m - base;
   const bool finest = region.level_nx == scene.levels.front().nx && region.level_ny == scene.levels.front().ny;
-  const double slack = 1e-6 * std::max({high - low, std::abs(low), std::abs(high)}) + (finest ? 0.0 : high - low);
+  const double rounding =
+      1e-15 * std::max({std::abs(base), std::abs(scene.height_min_m), std::abs(scene.height_max_m)});
+  const double slack =
+      1e-6 * std::max({high - low, std::abs(low), std::abs(high)}) + rounding + (finest ? 0.0 : high - low);
   for (std::size_t n = 0; n < mask.size(); ++n) {
     // A damaged mask must not claim a height that is not there.
     const bool known = mask[n] == 1 || mask[n] == 2;

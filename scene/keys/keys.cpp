@@ -64,6 +64,8 @@ std::span<const Relation> config_relations() {
                                                 {"unroll", kExcludes, "orientation.regions_matrix"},
                                                 {"parts[].mu_dynamic", kNeeds, "friction"},
                                                 {"parts[].label", kNeeds, "audio.labels"},
+                                                {"audio.regions[].label", kNeeds, "audio.labels"},
+                                                {"guide.path", kNeeds, "parts", 0, "part"},
                                                 {"parts[].box_m", kNeeds, "around", 6},
                                                 {"audio.regions[].box_m", kNeeds, "around", 6}};
   return kRelations;

@@ -73,6 +73,8 @@ struct Relation {
   Rule rule = Rule::excludes;
   std::string_view other;  ///< of no list
   int numbers = 0;         ///< only where `path` is a list of so many numbers, its longest form; 0: always
+  /// Only where `path` is this word, and then in configuration files alone: a scene's may have lost what it needs.
+  std::string_view word{};
 };
 
 /// In the order of docs/configuration.md: a block stands before its keys.

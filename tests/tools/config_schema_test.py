@@ -44,7 +44,8 @@ MODE = "{frequency_hz: 300, decay_s: 1}"
 REGION = "name: r, box_m: [0, 0, 1, 1]"
 # (configuration without its scans, whether it is taken)
 JUDGED = [
-    ("guide: {path: drawn}", False), ("guide: {path: drawn, line_m: [[0, 0], [1, 0]]}", True), ("guide: {path: part}", True),
+    ("guide: {path: drawn}", False), ("guide: {path: drawn, line_m: [[0, 0], [1, 0]]}", True), ("guide: {path: part}", False),
+    ("guide: {path: part}\nparts: [{name: p, box_m: [0, 0, 1, 1]}]", True), ("guide: {path: outline}", True), ("guide: {force_n: 1}", True),
     ("guide: {path: part, line_m: [[0, 0], [1, 0]]}", False), ("guide: {line_m: [[0, 0], [1, 0]]}", False),
     ("unroll: {}", True), ("unroll: {}\naround: {}", False), ("unroll:\naround:", False), ("around: {}", True),
     ("unroll: {}\ngrid: {bounds_m: [0, 0, 1, 1]}", False), ("unroll: {}\ngrid: {size: 100}", True),
@@ -63,6 +64,8 @@ JUDGED = [
     ("around:\naudio: {regions: [{name: r, box_m: [0, 0, 0, 1, 1, 1], material: bronze}]}", True),
     ("parts: [{name: p, label: 3}]", False), ("audio:\nparts: [{name: p, label: 3}]", False),
     ("audio: {labels: a.png}\nparts: [{name: p, label: 3}]", True),
+    ("audio: {regions: [{name: r, label: 3, material: bronze}]}", False),
+    ("audio: {labels: a.png, regions: [{name: r, label: 3, material: bronze}]}", True),
     ("parts: [{name: p, box_m: [0, 0, 1, 1], mu_dynamic: 0.2}]", False),
     ("friction:\nparts: [{name: p, box_m: [0, 0, 1, 1], mu_dynamic: 0.2}]", True),
     ('filters: [{field: {name: "", min: 1}}]', False), ("filters: [{field: {name: confidence, min: 1}}]", True),

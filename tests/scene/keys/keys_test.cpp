@@ -231,6 +231,8 @@ TEST(ConfigKeys, KeysOfTwoBlocksNeedOrExcludeEachOtherAsTheTableSays) {
       expect_refused(document("", {alone, beside}));
       continue;
     }
+    // Words are judged of files alone, and every document() with a region's label has the image: by the schema's test.
+    if (!relation.word.empty() || key->path == "audio.regions[].label") continue;
     ASSERT_FALSE(at_root(*key).empty());
     const bool any = relation.numbers == 0;
     const std::string value = any ? sample(*key) : sample(*key, key->forms.back());
