@@ -25,10 +25,10 @@ constexpr float kOblique = 0.25F;      // cosine under which a direction says no
 constexpr float kLowest = -std::numeric_limits<float>::infinity();
 constexpr double kAgreement = 0.9;        // of a connected surface's votes, by weight,
 constexpr double kWholeAgreement = 0.55;  // and where a surface is known to have one outer side
-// A part that is sure of its side has so many samples and so great a mean vote, in directions seen from, and votes that
-// agree by kAgreement. A face that nothing hides has 5 to 6, one of a notch 4.5; the inside of a shell that is seen
-// through its foot had between 1.5 and 3.
-constexpr std::uint32_t kSureSamples = 20;
+// A part agrees on its side when it has so many samples, whose votes agree by kAgreement. It is sure of it when its
+// mean vote, in directions seen from, is so great. A face that nothing hides has 5 to 6, one of a notch 4.5, a ball on
+// a plinth beside another one 3.6; the inside of a shell that is seen through its foot had between 1.5 and 3.
+constexpr std::uint32_t kAgreeingSamples = 20;
 constexpr double kSureMean = 3.0;
 // Of a closed surface's area as the viewer sees it a half faces away; of one whose foot was not scanned, less.
 constexpr double kOtherSide = 0.15;
@@ -136,15 +136,15 @@ class SurfaceParts {
   [[nodiscard]] double sum(std::uint32_t root) const { return sum_[root]; }
   [[nodiscard]] double weight(std::uint32_t root) const { return weight_[root]; }
 
-  /// Joins the parts of two samples. False, and nothing is joined, where `unless_contradicted` and both parts are sure
-  /// of sides that the join would make contradict each other.
-  bool join(std::uint32_t a, std::uint32_t b, bool opposed, bool unless_contradicted) {
+  /// Joins the parts of two samples. False, and nothing is joined, where both have a mean vote of `least_mean` or more
+  /// and agree on sides that the join would make contradict each other.
+  bool join(std::uint32_t a, std::uint32_t b, bool opposed, double least_mean) {
     Place of_a = find(a);
     Place of_b = find(b);
     if (of_a.root == of_b.root) return true;
     const bool roots_opposed = (of_a.opposed != of_b.opposed) != opposed;
     const bool contradict = ((sum_[of_a.root] > 0.0) != (sum_[of_b.root] > 0.0)) != roots_opposed;
-    if (unless_contradicted && contradict && is_sure(of_a.root) && is_sure(of_b.root)) return false;
+    if (contradict && agrees(of_a.root, least_mean) && agrees(of_b.root, least_mean)) return false;
     if (size_[of_a.root] < size_[of_b.root]) std::swap(of_a, of_b);
     up_[of_b.root] = of_a.root;  // the smaller below the larger keeps branches short
     size_[of_a.root] += size_[of_b.root];
@@ -155,8 +155,8 @@ class SurfaceParts {
   }
 
  private:
-  [[nodiscard]] bool is_sure(std::uint32_t root) const {
-    return size_[root] >= kSureSamples && std::abs(sum_[root]) >= kSureMean * static_cast<double>(size_[root]) &&
+  [[nodiscard]] bool agrees(std::uint32_t root, double least_mean) const {
+    return size_[root] >= kAgreeingSamples && std::abs(sum_[root]) >= least_mean * static_cast<double>(size_[root]) &&
            std::abs(sum_[root]) >= kAgreement * weight_[root];
   }
 
@@ -405,13 +405,15 @@ void FacingField::overrule_by_surface(SideEvidence evidence) {
   std::vector<Edge> edges(next.back());
   each([&](std::size_t bucket, const Edge& edge) { edges[next[bucket]++] = edge; });
   SurfaceParts parts(votes_);
-  const auto join = [&](const Edge& edge, bool unless_contradicted) {
-    return parts.join(edge.a, edge.b & ~kOpposed, (edge.b & kOpposed) != 0, unless_contradicted);
+  const auto join = [&](const Edge& edge, double least_mean) {
+    return parts.join(edge.a, edge.b & ~kOpposed, (edge.b & kOpposed) != 0, least_mean);
   };
   const bool whole = evidence == SideEvidence::whole;
-  edges.erase(std::remove_if(edges.begin(), edges.end(), [&](const Edge& edge) { return join(edge, whole); }),
-              edges.end());
-  for (const Edge& edge : edges) join(edge, false);
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  edges.erase(
+      std::remove_if(edges.begin(), edges.end(), [&](const Edge& edge) { return join(edge, whole ? 0.0 : kAny); }),
+      edges.end());
+  for (const Edge& edge : edges) join(edge, kSureMean);
   outside_.assign(votes_.size(), 0.0F);
   closed_.assign(votes_.size(), 0);
   std::vector<std::array<double, 2>> area(votes_.size());  // of either side, across the view

@@ -170,6 +170,85 @@ TEST(WholeObjects, WithAcuteEdgesHaveNoFaceTurnedInwards) {
   }
 }
 
+/// Two balls of 40 mm radius, 0.2 mm apart, that rest on a plinth of 180 x 100 x 20 mm, sunk into it. Frame: z up, 0 at
+/// the balls' middles. Uniform on what is seen from outside, noise across it.
+class BallsOnPlinth {
+ public:
+  explicit BallsOnPlinth(double sunk_m) : top_m_(sunk_m - kRadius_m) {}
+
+  [[nodiscard]] Points points(std::size_t count, std::uint64_t seed, double noise_m) const {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> unit(0.0, 1.0);
+    std::normal_distribution<double> normal;
+    const double ball_m2 = 4.0 * std::numbers::pi * kRadius_m * kRadius_m;
+    const std::array<double, 3> face_m2 = {4.0 * kHalf_m[1] * kHalf_m[2], 4.0 * kHalf_m[0] * kHalf_m[2],
+                                           4.0 * kHalf_m[0] * kHalf_m[1]};
+    const double all_m2 = 2.0 * (ball_m2 + face_m2[0] + face_m2[1] + face_m2[2]);
+    Points points;
+    while (points.size() < count) {
+      Eigen::Vector3d p, out;
+      double left_m2 = unit(random) * all_m2;
+      if (left_m2 < 2.0 * ball_m2) {
+        out = Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
+        p = kRadius_m * out + Eigen::Vector3d(left_m2 < ball_m2 ? -kApart_m : kApart_m, 0.0, 0.0);
+        if (std::abs(p.x()) < kHalf_m[0] && std::abs(p.y()) < kHalf_m[1] && p.z() < top_m_) continue;
+      } else {
+        left_m2 -= 2.0 * ball_m2;
+        int axis = 0;
+        while (axis < 2 && left_m2 > 2.0 * face_m2[static_cast<std::size_t>(axis)])
+          left_m2 -= 2.0 * face_m2[static_cast<std::size_t>(axis++)];
+        for (int k = 0; k < 3; ++k) p[k] = kHalf_m[static_cast<std::size_t>(k)] * (2.0 * unit(random) - 1.0);
+        out = Eigen::Vector3d::Unit(axis) * (unit(random) < 0.5 ? -1.0 : 1.0);
+        p[axis] = kHalf_m[static_cast<std::size_t>(axis)] * out[axis];
+        p.z() += top_m_ - kHalf_m[2];
+        if (distance_to_balls(p) < 0.0) continue;
+      }
+      p += noise_m * normal(random) * out;
+      points.push_back({p.x(), p.y(), p.z()});
+    }
+    return points;
+  }
+  /// To the surface, negative within.
+  [[nodiscard]] double distance(const Eigen::Vector3d& p) const {
+    const Eigen::Vector3d half(kHalf_m.data());
+    const Eigen::Vector3d beyond = (p - Eigen::Vector3d(0.0, 0.0, top_m_ - kHalf_m[2])).cwiseAbs() - half;
+    return std::min(distance_to_balls(p), beyond.cwiseMax(0.0).norm() + std::min(beyond.maxCoeff(), 0.0));
+  }
+
+ private:
+  static constexpr double kRadius_m = 0.040, kApart_m = 0.0401;
+  static constexpr std::array<double, 3> kHalf_m = {0.090, 0.050, 0.010};
+
+  [[nodiscard]] static double distance_to_balls(const Eigen::Vector3d& p) {
+    return Eigen::Vector3d(std::abs(p.x()) - kApart_m, p.y(), p.z()).norm() - kRadius_m;
+  }
+
+  double top_m_;
+};
+
+TEST(WholeObjects, ThatTouchEachOtherAndWhatTheyStandOnHaveNoneOfThemTurnedInwards) {
+  ThreadPool pool(2);
+  Progress progress;
+  for (const double sunk_m : {0.0, 0.003}) {
+    const BallsOnPlinth object(sunk_m);
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+      const Points points = object.points(kFew, seed, 0.0002);
+      const pipeline::SidedDiscs found =
+          pipeline::find_sided_discs(make_cloud(points), Eigen::Matrix4d::Identity(), {pool, progress});
+      std::size_t inwards = 0;
+      for (std::size_t d = 0; d < found.count; ++d) {
+        const Eigen::Vector3d foot = Eigen::Vector3f(found.discs[d].foot.data()).cast<double>() + found.origin_m;
+        const Eigen::Vector3d step = 0.001 * Eigen::Vector3f(found.discs[d].normal.data()).cast<double>();
+        inwards += object.distance(foot + step) < object.distance(foot - step) - 0.001 ? 1 : 0;
+      }
+      EXPECT_GT(found.count, points.size() * 9 / 10) << sunk_m << " m, seed " << seed;
+      // A ball has a quarter of the discs; beside the contacts some may be wrong.
+      EXPECT_LT(static_cast<double>(inwards), 0.004 * static_cast<double>(found.count))
+          << sunk_m << " m, seed " << seed;
+    }
+  }
+}
+
 TEST(WholeObjects, ThatAreWallsOfTwoSpacingsAreUndecided) {
   const NamedObject named = plate(2.0, kFew, turned(30.0, 20.0));
   const ObjectScan scan = scan_object(*named.object, cloud_of(kFew));
