@@ -1,10 +1,14 @@
 // Discs once, then each side's layers and sheets, and what noise is left.
 #include "pipeline/charts/charts.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <utility>
 
+#include "base/error.h"
+#include "base/text/text.h"
 #include "pipeline/charts/layers.h"
 #include "pipeline/charts/sheets.h"
 #include "pipeline/charts/sided_discs.h"
@@ -55,6 +59,13 @@ ChartResult make_charts(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
     result.small_sheets += of_side.small;
     result.small_sheet_nodes += of_side.small_nodes;
     std::move(of_side.sheets.begin(), of_side.sheets.end(), std::back_inserter(result.charts.sheets));
+  }
+  if (result.charts.sheets.empty()) {
+    throw input_error(
+        {},
+        fmt::format("nothing of the whole object is left on nodes that are {} apart; its points are {} apart",
+                    length_text(result.charts.spacing_m), length_text(result.point_spacing_m)),
+        fmt::format("a grid.spacing_mm of about {:.2g}", 1e3 * result.point_spacing_m));
   }
   smooth_sheets(result.charts.sheets, result.charts.spacing_m, result.noise_m, context);
   return result;

@@ -249,6 +249,18 @@ TEST(WholeObjects, ThatTouchEachOtherAndWhatTheyStandOnHaveNoneOfThemTurnedInwar
   }
 }
 
+TEST(WholeObjects, OfWhichNothingIsLeftOnCoarseNodesAreAnErrorThatNamesTheSpacing) {
+  const NamedObject named = plate(5.0, kFew, turned(30.0, 20.0));
+  const ObjectScan scan = scan_object(*named.object, cloud_of(kFew));
+  try {
+    (void)charts_of(scan.points, 100.0 * scan.spacing_m);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::input);
+    EXPECT_NE(error.expected().find("grid.spacing_mm of about"), std::string::npos) << error.what();
+  }
+}
+
 TEST(WholeObjects, ThatAreWallsOfTwoSpacingsAreUndecided) {
   const NamedObject named = plate(2.0, kFew, turned(30.0, 20.0));
   const ObjectScan scan = scan_object(*named.object, cloud_of(kFew));
