@@ -183,6 +183,7 @@ void add_device(Command app, const CommonOptions& common, Run& run) {
   arguments->request.stop = interrupted;
   const auto add_on_device = [&](const char* name, const char* what, auto job) {
     Command added = add(name, what, [arguments, &common, job] {
+      require_use_of_firmware(arguments->name, arguments->request.firmware);
       const Terminal terminal(common);
       arguments->request.say = [&terminal](const std::string& words) { terminal.message(words); };
       return job();

@@ -37,12 +37,21 @@ void check_output_folder(const std::string& file, const char* option) {
   }
 }
 
+// A kiosk without a window has two meanings left: it waits for a device, and it has several scenes.
+void refuse_idle(const ExploreArguments& arguments) {
+  require_use_of_firmware(arguments.device, arguments.firmware);
+  const bool waits = arguments.device != "simulated" && !arguments.device.starts_with("playback:");
+  if (arguments.kiosk && arguments.headless && arguments.scenes.empty() && !waits)
+    throw usage_error("--kiosk means nothing here", "a window, --scenes DIR or a device for a hand");
+}
+
 void check_arguments(const ExploreArguments& arguments) {
   if (arguments.scene.empty() == arguments.scenes.empty())
     throw usage_error(arguments.scene.empty() ? "nothing to explore" : "--scenes and a scene",
                       "a scene, a configuration or scans; or --kiosk --scenes DIR");
   if (!arguments.scenes.empty() && (!arguments.kiosk || arguments.device.starts_with("playback:")))
     throw usage_error("--scenes without an exhibition", "--kiosk --scenes DIR, and a device for a hand");
+  refuse_idle(arguments);
   check_output_folder(arguments.record, "--record");
   check_output_folder(arguments.screenshot, "--screenshot");
   check_output_folder(arguments.audio_out, "--audio-out");

@@ -123,26 +123,35 @@ int export_whole(const scene::Scene& scene, const std::string& file, pipeline::H
 /// The scene as if its unrolled frame were the scans' own.
 scene::ScenePointer laid_flat(scene::ScenePointer scene) {
   scene::SceneDescription flat = scene->description();
-  if (!flat.config.unroll) throw usage_error("--unrolled means nothing here", "a scene with `unroll`");
   flat.config.unroll.reset();
   flat.scan_from_grid.setIdentity();
   return scene::with_description(std::move(scene), std::move(flat));
 }
 
+struct Arguments {
+  std::string scene;
+  std::string file;
+  bool nodes = false;
+  bool haptics = false;
+  bool front = false;
+  bool unrolled = false;
+  std::string holes = "close";
+  pipeline::ReplicaOptions replica;
+  bool no_braille = false;
+};
+
+scene::ScenePointer scene_to_export(const Arguments& arguments, const CommonOptions& common, Terminal& terminal) {
+  scene::ScenePointer scene = scene_from({arguments.scene}, common.trusted(), terminal.progress());
+  if (arguments.front && !scene->description().charts)
+    throw usage_error("--front means nothing here", "a scene with `around`");
+  if (arguments.unrolled && !scene->description().config.unroll)
+    throw usage_error("--unrolled means nothing here", "a scene with `unroll`");
+  return scene;
+}
+
 }  // namespace
 
 void add_export(Command app, const CommonOptions& common, Run& run) {
-  struct Arguments {
-    std::string scene;
-    std::string file;
-    bool nodes = false;
-    bool haptics = false;
-    bool front = false;
-    bool unrolled = false;
-    std::string holes = "close";
-    pipeline::ReplicaOptions replica;
-    bool no_braille = false;
-  };
   auto arguments = std::make_shared<Arguments>();
   Command command = app.add_subcommand("export", "Write a scene as mesh, points or heights in the scan's own frame");
   command.add_option("scene", arguments->scene, "scene folder").required();
@@ -178,7 +187,7 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
         check_outputs(
             {{"--to", arguments->file}, {"the legibility map of --to", pipeline::legibility_file_of(arguments->file)}},
             {arguments->scene});
-        const scene::ScenePointer scene = scene_from({arguments->scene}, common.trusted(), terminal.progress());
+        const scene::ScenePointer scene = scene_to_export(*arguments, common, terminal);
         if (!scene->description().charts || arguments->front)
           return make_replica(*scene, arguments->file, arguments->replica, common, terminal);
         for (const Option& option : of_replica)
@@ -194,7 +203,7 @@ void add_export(Command app, const CommonOptions& common, Run& run) {
       pipeline::check_export(arguments->file, arguments->nodes, arguments->haptics);
       check_outputs({{"--to", arguments->file}, {"the world file of --to", pipeline::world_file_of(arguments->file)}},
                     {arguments->scene});
-      scene::ScenePointer scene = scene_from({arguments->scene}, common.trusted(), terminal.progress());
+      scene::ScenePointer scene = scene_to_export(*arguments, common, terminal);
       if (arguments->unrolled) scene = laid_flat(std::move(scene));
       const bool whole = scene->description().charts && !arguments->front && !arguments->nodes;
       if (whole && arguments->haptics)

@@ -44,6 +44,11 @@ struct Arguments {
   std::string creases = "sharp";
 };
 
+/// Options that one solver alone uses.
+struct OfSolver {
+  std::vector<Option> exact, paper;
+};
+
 haptics::TracedPart part_of(const Arguments& arguments) {
   haptics::TracedPart part;
   part.level = arguments.level;
@@ -147,7 +152,15 @@ haptics::TraceResult trace_path(const scene::Scene& scene, const Arguments& argu
   return haptics::trace(*surface, path, haptics, options);
 }
 
-int run_trace(const Arguments& arguments, const CommonOptions& common) {
+void refuse_idle(const OfSolver& options, scene::HapticsConfig::Solver solver) {
+  const bool paper = solver == scene::HapticsConfig::Solver::paper;
+  for (const Option& option : paper ? options.exact : options.paper)
+    if (option.given())
+      throw usage_error(option.name() + " means nothing here",
+                        paper ? "--solver exact with it" : "--solver paper with it");
+}
+
+int run_trace(const Arguments& arguments, const OfSolver& of_solver, const CommonOptions& common) {
   if (std::isnan(arguments.rho)) throw usage_error("--rho nan", "a number from 0.01 to 1");
   Terminal terminal(common);
   check_outputs({{"--out", arguments.out}}, {arguments.scene}, {{"--hip", arguments.hip}});
@@ -161,6 +174,7 @@ int run_trace(const Arguments& arguments, const CommonOptions& common) {
   scene::HapticsConfig haptics = scene->description().config.haptics;
   if (arguments.solver == "exact") haptics.solver = scene::HapticsConfig::Solver::exact;
   if (arguments.solver == "paper") haptics.solver = scene::HapticsConfig::Solver::paper;
+  refuse_idle(of_solver, haptics.solver);
   haptics::SolverOptions options;
   options.paper_rho = arguments.rho;
   options.paper_iterations = arguments.iterations;
@@ -205,20 +219,21 @@ void add_trace(Command app, const CommonOptions& common, Run& run) {
   command.add_flag("--no-friction", arguments->no_friction, "render without friction");
   command.add_option("--tip-radius-mm", arguments->tip_radius_mm, "touch with a ball, device frame; default: a point")
       .check(between(0.0, 2.0));
-  command
-      .add_option("--creases", arguments->creases,
-                  "of the bilinear surface; sharp: the reference, rounded: as a hand feels them")
-      .check(one_of({"sharp", "rounded"}))
-      .shows_default();
+  OfSolver of_solver;
+  of_solver.exact = {command.add_option(
+      "--creases", arguments->creases, "of the bilinear surface; sharp: the reference, rounded: as a hand feels them")};
+  of_solver.exact.front().check(one_of({"sharp", "rounded"})).shows_default();
   command
       .add_flag("--live", arguments->live,
                 "a run.csv on the windows, centres and stiffness it was recorded with: the live run once more")
       .excludes({"--level", "--centre", "--frame", "--no-texture", "--no-friction", "--tip-radius-mm", "--creases"});
-  command.add_option("--rho", arguments->rho, "step factor of the paper's solver").check(between(0.01, 1.0));
-  command.add_option("--iterations", arguments->iterations, "iterations of the paper's solver")
-      .check(whole_between(1, 1000000));
-  command.callback(
-      [arguments, &common, &run] { run = [arguments, &common] { return run_trace(*arguments, common); }; });
+  of_solver.paper = {command.add_option("--rho", arguments->rho, "step factor of the paper's solver"),
+                     command.add_option("--iterations", arguments->iterations, "iterations of the paper's solver")};
+  of_solver.paper[0].check(between(0.01, 1.0));
+  of_solver.paper[1].check(whole_between(1, 1000000));
+  command.callback([arguments, of_solver, &common, &run] {
+    run = [arguments, of_solver, &common] { return run_trace(*arguments, of_solver, common); };
+  });
 }
 
 }  // namespace sparsha::app

@@ -87,6 +87,12 @@ NamedKind kind_of(const std::string& name) {
   throw usage_error("there is no device '" + name + "' here", named_devices());
 }
 
+void require_use_of_firmware(const std::string& device, const std::string& firmware) {
+  static const std::string falcon = haptics::falcon::falcon_kind().name;
+  if (firmware.empty() || device == "auto" || kind_of(device).kind->name == falcon) return;
+  throw usage_error("--firmware means nothing here", "--device falcon with it");
+}
+
 std::unique_ptr<haptics::Device> make_device(const std::string& name, haptics::DeviceRequest request) {
   NamedKind named = kind_of(name);
   request.argument = std::move(named.argument);

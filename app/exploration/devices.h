@@ -20,6 +20,9 @@ struct NamedKind {
 [[nodiscard]] NamedKind kind_of(const std::string& name);
 /// The same, made. Throws what the kind throws.
 [[nodiscard]] std::unique_ptr<haptics::Device> make_device(const std::string& name, haptics::DeviceRequest request);
+/// Throws Error{usage} where a firmware image is named and `device` is none that takes one: neither a Falcon nor
+/// `auto`.
+void require_use_of_firmware(const std::string& device, const std::string& firmware);
 /// "auto | falcon | pointer | ...": what --device may be.
 [[nodiscard]] std::string device_names();
 /// The same without `auto`, for what is asked of one device.

@@ -113,6 +113,7 @@ TEST_F(Program, ExportsOneClosedMeshOfAWholeObject) {
   EXPECT_NE(text_of(folder_ / "front.ply"), text_of(folder_ / "ball.ply"));
   EXPECT_THAT(run(to("points.xyz")).err, HasSubstr("front view"));
   EXPECT_EQ(run(to("ball.tif") + "--holes leave").code, 2);
+  EXPECT_THAT(run(to("ball.stl") + "--unrolled").err, HasSubstr("--unrolled means nothing here"));
   EXPECT_EQ(run(to("ball.glb") + "--haptics").code, 2);
 }
 
