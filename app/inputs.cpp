@@ -37,6 +37,11 @@ scene::Config config_from(const std::vector<std::string>& arguments, const std::
     }
     return scene::load_config(arguments.front(), settings);
   }
+  std::error_code code;
+  for (const std::string& argument : arguments)
+    if (const fs::path own = fs::path(argument) / "scene.yaml"; fs::is_regular_file(own, code))
+      throw input_error(argument, "this is the folder of a scene, and no scan",
+                        own.string() + ", which builds the scene again");
   const std::vector<fs::path> scans(arguments.begin(), arguments.end());
   pipeline::SuggestOptions options;
   options.memory_bytes = memory_bytes;
@@ -111,6 +116,9 @@ void require_harmless(const std::vector<NamedPath>& outputs, const std::vector<N
   require_distinct(outputs, known);
   for (const NamedPath& output : outputs) {
     if (output.path.empty()) continue;
+    if (output.path == "-")
+      throw usage_error(output.name + " -: results are written to files",
+                        "a name; /dev/stdout is standard output, and ./- a file called so");
     require_no_file_of_a_scene(output);
     for (const NamedPath& input : known) {
       if (!pipeline::has_ending_of_scan(input.path) || !pipeline::names_companion(input.path, output.path)) continue;
@@ -157,9 +165,11 @@ std::uint64_t parse_bytes(const std::string& text) {
   if (unit == "KB" || unit == "K") factor = 1e3;
   if (unit == "MB" || unit == "M") factor = 1e6;
   if (unit == "GB" || unit == "G") factor = 1e9;
+  if (unit == "TB" || unit == "T") factor = 1e12;
   if (unit == "KIB") factor = 1024.0;
   if (unit == "MIB") factor = 1048576.0;
   if (unit == "GIB") factor = 1073741824.0;
+  if (unit == "TIB") factor = 1099511627776.0;
   const double bytes = value * factor;
   if (error != std::errc{} || !(bytes >= 1.0) || bytes > 1e15) {
     throw usage_error("'" + text + "' is not an amount of memory", "e.g. 1GB or 800MB");

@@ -32,6 +32,8 @@ int deliver(const sparsha::app::Run& run) {
   } catch (const sparsha::Cancelled&) {
     print_error("stopped; nothing was changed");
     return 1;
+  } catch (const ReaderGone&) {  // nobody is left who could read more, and a promised output is missing
+    return 1;
   } catch (const sparsha::Error& error) {
     print_error(error.what());
     return static_cast<int>(error.kind());

@@ -10,6 +10,8 @@ std::string message(const Place& place, const std::string& wrong, const std::str
   std::string text = to_string(place);
   if (!text.empty()) text += ": ";
   text += "error: " + wrong;
+  // What libraries say of themselves ends with one.
+  if (!expected.empty() && text.ends_with('.') && !text.ends_with("..")) text.pop_back();
   if (!expected.empty()) text += "; " + expected;
   return text;
 }

@@ -60,6 +60,9 @@ fs::path default_folder(const Arguments& arguments) {
 }
 
 fs::path scene_folder(const Arguments& arguments) {
+  if (is_config(arguments.out))
+    throw usage_error("--out " + arguments.out + ": a configuration has this ending, and a scene is a folder",
+                      "the name of a folder, e.g. " + fs::path(arguments.out).stem().string() + ".scene");
   fs::path folder = arguments.out.empty() ? default_folder(arguments) : fs::path(arguments.out);
   std::error_code code;
   const bool nameless = folder.filename() == "." || folder.filename() == "..";
@@ -78,6 +81,8 @@ void require_place(const fs::path& folder) {
   fs::path parent = without_dots(fs::absolute(folder, code)).parent_path();
   if (fs::is_directory(parent, code)) return require_writable(folder, AtomicPath::Kind::folder);
   while (!fs::exists(parent, code) && parent.has_relative_path()) parent = parent.parent_path();
+  for (const fs::path& name : without_dots(fs::absolute(folder, code)).lexically_relative(parent))
+    require_possible_name(parent / name);
   if (fs::is_directory(parent, code) && system::is_writable(parent)) return;
   throw Error(ErrorKind::failure, {folder.string(), 0, 0}, "cannot write: no folder can be made in " + parent.string(),
               "a folder that can be written to");

@@ -17,6 +17,7 @@
 #include "audio/live/stream.h"
 #include "base/error.h"
 #include "base/phrases/phrases.h"
+#include "base/text/lower_case.h"
 #include "base/text/printable.h"
 #include "viewer/viewer.h"
 
@@ -37,6 +38,13 @@ void check_output_folder(const std::string& file, const char* option) {
   }
 }
 
+void require_ending(const std::string& file, const char* option, const char* ending, const char* what) {
+  std::error_code code;
+  if (file.empty() || lower_case(fs::path(file).extension().string()) == ending || fs::is_character_file(file, code))
+    return;
+  throw usage_error(fmt::format("{} {}: {}", option, file, what), fmt::format("a name that ends in {}", ending));
+}
+
 // A kiosk without a window has two meanings left: it waits for a device, and it has several scenes.
 void refuse_idle(const ExploreArguments& arguments) {
   require_use_of_firmware(arguments.device, arguments.firmware);
@@ -55,6 +63,8 @@ void check_arguments(const ExploreArguments& arguments) {
   check_output_folder(arguments.record, "--record");
   check_output_folder(arguments.screenshot, "--screenshot");
   check_output_folder(arguments.audio_out, "--audio-out");
+  require_ending(arguments.screenshot, "--screenshot", ".png", "the picture is a PNG");
+  require_ending(arguments.audio_out, "--audio-out", ".wav", "the sound is a WAV");
   check_study(arguments.study);
   const std::string playback = "playback:";
   const bool plays = arguments.device.starts_with(playback);

@@ -5,6 +5,7 @@
 
 #include "app/commands/commands.h"
 #include "app/commands/sentences.h"
+#include "app/inputs.h"
 #include "app/terminal/terminal.h"
 #include "base/error.h"
 #include "pipeline/simulate/simulate.h"
@@ -22,6 +23,10 @@ void add_simulate(Command app, const CommonOptions& common, Run& run) {
   command.add_option("--out,-o", arguments->out, "folder for the scans").required();
   command.callback([arguments, &common, &run] {
     run = [arguments, &common] {
+      if (is_config(arguments->out))
+        throw usage_error(
+            "--out " + arguments->out + ": a configuration has this ending, and scans are put in a folder",
+            "the name of a folder");
       Terminal terminal(common);
       pipeline::simulate(arguments->config, arguments->out, terminal.progress());
       nlohmann::json names = nlohmann::json::array();

@@ -27,7 +27,9 @@ constexpr std::string_view kHeader =
 
 }  // namespace
 
-std::filesystem::path study_file(const std::string& name) { return name.empty() ? name : name + ".csv"; }
+std::filesystem::path study_file(const std::string& name) {
+  return name.empty() || std::filesystem::path(name).extension() == ".csv" ? name : name + ".csv";
+}
 
 void check_study(const std::string& name) {
   constexpr std::size_t kLongestName = 200;

@@ -3,13 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 
+#include "app/words/progress_line.h"
 #include "app/words/sentences.h"
 #include "base/error.h"
 #include "base/system.h"
@@ -25,6 +26,7 @@ std::atomic<bool> stop_asked{false};
 std::atomic<bool> other_than_key{false};
 std::atomic<unsigned> times_asked{0};
 std::atomic<bool> line_open{false};
+std::atomic<bool> reader_gone{false};
 
 std::atomic<std::int64_t> asked_ms{0};  // when the program was asked to stop first
 
@@ -71,8 +73,10 @@ void end_progress_line() {
 void print(std::string_view text) {
   end_progress_line();
   const std::string shown = printable(text, true);
+  errno = 0;
   std::fwrite(shown.data(), 1, shown.size(), stdout);
   if (shown.empty() || shown.back() != '\n') std::fputc('\n', stdout);
+  if (std::ferror(stdout) != 0 && errno == EPIPE) reader_gone.store(true);
 }
 
 void print_error(std::string_view text) {
@@ -81,7 +85,9 @@ void print_error(std::string_view text) {
 }
 
 void flush_output() {
+  errno = 0;
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    if (errno == EPIPE || reader_gone.load()) throw ReaderGone();
     throw Error(ErrorKind::failure, {}, "standard output could not be written");
   }
 }
@@ -89,7 +95,7 @@ void flush_output() {
 Terminal::Terminal(const CommonOptions& options)
     : quiet_(options.quiet),
       plain_(options.plain),
-      bar_(!options.quiet && !options.plain && system::stderr_is_terminal()),
+      bar_(!options.quiet && !options.plain && system::redraws_lines()),
       progress_([this](const ProgressUpdate& update) { show(update); }) {
   running.store(&progress_);
   if (stop_asked.load()) progress_.cancel();
@@ -117,7 +123,7 @@ void Terminal::show(const ProgressUpdate& update) {
     stage_began_ = now;
     last_drawn_ = now;
     if (bar_) {
-      std::fprintf(stderr, "\r\x1b[K%s ...", stage_.c_str());
+      std::fprintf(stderr, "\r\x1b[K%s", stage_line(stage_, system::terminal_columns()).c_str());
       line_open.store(true);
     } else {
       std::fprintf(stderr, plain_ ? "The step %s begins.\n" : "%s\n", stage_.c_str());
@@ -139,11 +145,7 @@ void Terminal::show(const ProgressUpdate& update) {
     std::fprintf(stderr, "%s %.0f %%%s\n", stage_.c_str(), update.fraction * 100.0, time.c_str());
     return;
   }
-  constexpr int kWidth = 30;
-  const int done = std::clamp(static_cast<int>(update.fraction * kWidth), 0, kWidth);
-  std::fprintf(stderr, "\r\x1b[K%-12s [%s%s] %3.0f %%%s", stage_.c_str(),
-               std::string(static_cast<size_t>(done), '#').c_str(),
-               std::string(static_cast<size_t>(kWidth - done), '.').c_str(), update.fraction * 100.0, time.c_str());
+  std::fprintf(stderr, "\r\x1b[K%s", progress_line(stage_, update.fraction, left, system::terminal_columns()).c_str());
   std::fflush(stderr);
   line_open.store(true);
 }

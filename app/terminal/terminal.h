@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "app/commands/commands.h"
+#include "base/error.h"
 #include "base/threads/progress.h"
 
 namespace sparsha::app {
@@ -52,7 +53,12 @@ void end_progress_line();
 void print(std::string_view text);
 /// The same on standard error, for one line.
 void print_error(std::string_view text);
-/// Throws Error{failure} when results could not be written (a full disk, a closed pipe).
+/// Nobody reads standard output any more: the other end of its pipe is closed.
+class ReaderGone : public Error {
+ public:
+  ReaderGone() : Error(ErrorKind::failure, {}, "nobody reads standard output any more") {}
+};
+/// Throws Error{failure} when results could not be written (a full disk), ReaderGone behind a closed pipe.
 void flush_output();
 
 }  // namespace sparsha::app

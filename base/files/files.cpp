@@ -11,6 +11,8 @@
 #include <system_error>
 #include <utility>
 
+#include "base/files/paths.h"
+
 namespace sparsha {
 namespace fs = std::filesystem;
 
@@ -117,6 +119,7 @@ AtomicPath::AtomicPath(fs::path target, Kind kind) : target_(std::move(target)),
     temporary_ = target_;
     return;
   }
+  require_possible_name(target_);
   check_target(target_, kind_);
   constexpr std::size_t kLongestName = 200;  // of 255 bytes, with mark and random name
   const std::string prefix = "." + target_.filename().string().substr(0, kLongestName) + std::string(kMark);

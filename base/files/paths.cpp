@@ -1,7 +1,10 @@
 #include "base/files/paths.h"
 
 #include <iterator>
+#include <string>
 #include <system_error>
+
+#include "base/error.h"
 
 namespace sparsha {
 namespace fs = std::filesystem;
@@ -27,6 +30,15 @@ fs::path without_dots(const fs::path& path) {
     if (result.has_relative_path()) result = result.parent_path();  // above the root is the root
   }
   return result.empty() && !path.empty() ? fs::path(".") : result;
+}
+
+void require_possible_name(const fs::path& output) {
+  std::error_code code;
+  static_cast<void>(fs::symlink_status(output, code));
+  if (code != std::errc::filename_too_long) return;
+  const std::string bytes = std::to_string(output.filename().string().size());
+  throw Error(ErrorKind::usage, {output.string(), 0, 0},
+              "the output's name of " + bytes + " bytes or its path is too long", "a shorter one, e.g. by --out");
 }
 
 fs::path path_from(const fs::path& folder, const fs::path& file) {

@@ -1,5 +1,33 @@
 #include "base/system/terminal.h"
 
+#include <charconv>
+#include <cstdlib>
+#include <string_view>
+
+#include "base/system.h"
+
+namespace sparsha::system {
+
+bool redraws_lines() noexcept {
+  const char* const term = std::getenv("TERM");
+  return stderr_is_terminal() && (term == nullptr || std::string_view(term) != "dumb");
+}
+
+namespace {
+
+int columns_wished() noexcept {
+  const char* const wish = std::getenv("COLUMNS");
+  const std::string_view text = wish == nullptr ? "" : wish;
+  int columns = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), columns);
+  return code == std::errc{} && end == text.data() + text.size() ? columns : 0;
+}
+
+constexpr int kUsualColumns = 80;
+
+}  // namespace
+}  // namespace sparsha::system
+
 #if defined(_WIN32)
 
 namespace sparsha::system {
@@ -11,6 +39,7 @@ bool stdin_is_terminal() { return false; }
 std::optional<std::string> typed_line(const std::function<bool()>&) { return std::nullopt; }
 void restore_terminal() noexcept {}
 std::filesystem::path standard_output_file() { return {}; }
+int terminal_columns() noexcept { return columns_wished() > 0 ? columns_wished() : kUsualColumns; }
 
 }  // namespace sparsha::system
 
@@ -21,9 +50,9 @@ std::filesystem::path standard_output_file() { return {}; }
 #include <atomic>
 #include <cerrno>
 #include <csignal>
-#include <cstdlib>
 
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
@@ -78,6 +107,12 @@ void handle(int number, void (*handler)(int)) {
 }  // namespace
 
 bool stdin_is_terminal() { return in_foreground(); }
+
+int terminal_columns() noexcept {
+  if (const int wished = columns_wished(); wished > 0) return wished;
+  winsize size{};
+  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUsualColumns;
+}
 
 void restore_terminal() noexcept {
   if (changed.exchange(false) && in_foreground()) tcsetattr(STDIN_FILENO, TCSANOW, &before);

@@ -42,6 +42,13 @@ class TerminalInput {
 /// nothing at once where standard input is no terminal of this program's.
 [[nodiscard]] std::optional<std::string> typed_line(const std::function<bool()>& stop);
 
+/// Whether standard error is a terminal on which a line can be drawn anew: TERM is not "dumb".
+[[nodiscard]] bool redraws_lines() noexcept;
+
+/// Columns of the terminal of standard error: COLUMNS where that is a number from 1 on, else as the system says, else
+/// 80.
+[[nodiscard]] int terminal_columns() noexcept;
+
 /// Gives the terminal back as it was; safe in a signal handler, harmless when nothing was changed.
 void restore_terminal() noexcept;
 

@@ -123,8 +123,8 @@ void require_room_about_nodes(const MemoryLimit& limit, const std::vector<Eigen:
   throw Error(
       ErrorKind::failure, {},
       fmt::format("{} points and more lie about a single node of the grid, which need about {} MB at most and {} MB at "
-                  "the least, more than the limit of {} MB",
-                  surely, enough, least, limit.bytes / 1'000'000U),
+                  "the least, more than the limit of {}",
+                  surely, enough, least, amount_text(limit.bytes)),
       fmt::format("--memory {}MB, a finer grid or a voxel filter", enough));
 }
 

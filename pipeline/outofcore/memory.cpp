@@ -153,6 +153,12 @@ std::uint64_t bytes_in_memory(const ScanAmount& scans, const std::vector<scene::
   return program_bytes(scans) + a_point * scans.points + kFace * scans.faces;
 }
 
+std::string amount_text(std::uint64_t bytes) {
+  constexpr std::uint64_t kMegabyte = 1'000'000;
+  return bytes < kMegabyte ? fmt::format("{} {}", bytes, bytes == 1 ? "byte" : "bytes")
+                           : fmt::format("{} MB", bytes / kMegabyte);
+}
+
 std::uint64_t bytes_with_sides(const ScanAmount& scans, std::uint64_t side_bytes) {
   return program_bytes(scans) + (kOriented + scans.attributes * kAttribute) * scans.points + kFace * scans.faces +
          side_bytes;
@@ -162,8 +168,8 @@ void require_room_for_sides(const MemoryLimit& limit, std::uint64_t side_bytes) 
   if (limit.bytes == 0 || kBeforeTiles + side_bytes <= limit.bytes) return;
   const std::uint64_t needed = enough_of(limit, kBeforeTiles + side_bytes);
   throw Error(ErrorKind::failure, {},
-              fmt::format("to tell the sides of this object apart takes about {} MB, more than the limit of {} MB",
-                          needed / 1'000'000U + 1, limit.bytes / 1'000'000U),
+              fmt::format("to tell the sides of this object apart takes about {} MB, more than the limit of {}",
+                          needed / 1'000'000U + 1, amount_text(limit.bytes)),
               "a higher --memory or a voxel filter");
 }
 
@@ -254,8 +260,8 @@ void require_room_for_sample(const MemoryLimit& limit, const scene::CheckConfig&
   const std::uint64_t needed = kProgram + resident_bytes(limit, node_bytes) + bytes_of_sample(check, points, lattice);
   if (limit.bytes == 0 || needed <= limit.bytes) return;
   throw Error(ErrorKind::failure, {},
-              fmt::format("the sample of the cross-check needs about {} MB with the grid, more than the limit of {} MB",
-                          enough_of(limit, needed) / 1'000'000U + 1, limit.bytes / 1'000'000U),
+              fmt::format("the sample of the cross-check needs about {} MB with the grid, more than the limit of {}",
+                          enough_of(limit, needed) / 1'000'000U + 1, amount_text(limit.bytes)),
               "fewer check.samples or a higher --memory");
 }
 
@@ -290,8 +296,8 @@ std::uint64_t points_of_a_tile(const MemoryLimit& limit, std::uint64_t node_byte
     if (least > limit.bytes) {
       const std::uint64_t enough = enough_of(limit, std::max(least, kProgram + nodes + sample_bytes));
       throw Error(ErrorKind::failure, {},
-                  fmt::format("the grid of {} x {} nodes and its layers need about {} MB, more than the limit of {} MB",
-                              lattice.nx, lattice.ny, enough / 1'000'000U + 1, limit.bytes / 1'000'000U),
+                  fmt::format("the grid of {} x {} nodes and its layers need about {} MB, more than the limit of {}",
+                              lattice.nx, lattice.ny, enough / 1'000'000U + 1, amount_text(limit.bytes)),
                   "a smaller grid.size, a larger grid.spacing_mm or a higher --memory");
     }
     const std::uint64_t all = limit.bytes - bytes_with_tile(limit, 0, bytes_per_point, lattice);

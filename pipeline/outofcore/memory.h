@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "base/error.h"
 #include "pipeline/scan/set.h"
@@ -36,6 +37,9 @@ void require_room_for_program(std::uint64_t bytes, bool looks);
 
 /// The memory that a refusal names, of which so many `bytes` turned out to be needed.
 [[nodiscard]] std::uint64_t enough_of(const MemoryLimit& limit, std::uint64_t bytes);
+
+/// "800 MB", and "12 bytes" of less than one.
+[[nodiscard]] std::string amount_text(std::uint64_t bytes);
 
 /// What decides how much memory scans take.
 struct ScanAmount {

@@ -225,7 +225,9 @@ void judge(ScanStatistics& statistics) {
 ScanStatistics statistics_of_whole(const std::filesystem::path& file, Progress& progress, const ReadOptions& options) {
   ScanStatistics statistics;
   statistics.scan = read_scan(file, &progress, options);
+  const std::size_t read = statistics.scan.points.size();
   drop_what_is_no_surface(statistics.scan);
+  statistics.empty_returns = read - statistics.scan.points.size();
   judge(statistics);
   const std::size_t points = statistics.scan.points.size();
   leave_out_worthless(statistics.scan, options.fields, statistics.worth);
@@ -274,6 +276,7 @@ ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& prog
   if (empty_returns) {
     statistics.scan.warnings.push_back(empty_returns_warning(at_scanner, count));
     statistics.scan.invalid += at_scanner;
+    statistics.empty_returns = at_scanner;
     count -= at_scanner;
   }
   const auto each_point = [&](const auto& use) {

@@ -167,6 +167,8 @@ void require_extent(const std::string& name, const std::vector<Eigen::Vector3d>&
 ScanStatistics statistics_of(const fs::path& file, std::uint64_t kept, const MeshRefusal& refusal,
                              const SuggestOptions& options, Progress& progress) {
   ScanStatistics statistics = scan_statistics(file, progress, kept, refusal, options.whole_chunks_only);
+  if (statistics.scan.points.empty() && statistics.scan.faces.empty() && statistics.empty_returns > 0)
+    throw all_empty_returns(file.string(), statistics.empty_returns);
   if (statistics.scan.points.empty())
     throw EmptyScan(file.string(), "there are no points in it", "a scan with at least one finite point");
   return statistics;

@@ -142,7 +142,7 @@ TEST_F(Files, OutputsThatAreOneFileOrAnInputAreRefusedBeforeAnyWork) {
   const std::string explore = "explore scene --device simulated --headless --duration 0.2 ";
   const auto before = files_in(folder_ / "scene");
   for (const std::string& arguments :
-       {explore + "--record a --screenshot a", explore + "--record a.csv --audio-out here/a.csv",
+       {explore + "--record a.png --screenshot a.png", explore + "--record a.wav --audio-out here/a.wav",
         explore + "--record study.csv --study study", explore + "--record scene/scene.yaml",
         std::string("explore scene --device playback:path.csv --headless --record path.csv"),
         std::string("trace scene --hip path.csv --out ./path.csv"),
@@ -162,7 +162,8 @@ TEST_F(Files, NoOutputTakesThePlaceOfAScanOrAFileThatTheSceneNames) {
   ASSERT_EQ(run("build statue.yaml --out scene --quiet").code, 0);
   write("path.csv", "t_s,x_m,y_m,z_m\n0,0.1,0.1,0\n");
   fs::create_hard_link(folder_ / "statue.ply", folder_ / "hard.ply");
-  fs::create_hard_link(folder_ / "statue.ply", folder_ / "hard.csv");
+  for (const char* name : {"hard.csv", "hard.png", "hard.wav"})
+    fs::create_hard_link(folder_ / "statue.ply", folder_ / name);
   fs::create_directories(folder_ / "exhibition");
   ASSERT_EQ(run("build statue.yaml --out exhibition/one --quiet").code, 0);
   const std::string explore = " --device simulated --headless --duration 0.2 ";
@@ -170,8 +171,8 @@ TEST_F(Files, NoOutputTakesThePlaceOfAScanOrAFileThatTheSceneNames) {
        {std::string("export scene --to statue.ply"), std::string("export scene/scene.yaml --to ./scene/../statue.ply"),
         std::string("export scene --to hard.ply"), std::string("trace scene --hip path.csv --out statue.ply"),
         std::string("trace scene --hip path.csv --out hard.csv"), "explore scene" + explore + "--record statue.ply",
-        "explore scene" + explore + "--audio-out statue.ply", "explore scene" + explore + "--screenshot statue.ply",
-        "explore statue.yaml" + explore + "--screenshot statue.yaml",
+        "explore scene" + explore + "--audio-out hard.wav", "explore scene" + explore + "--screenshot hard.png",
+        "explore statue.yaml" + explore + "--screenshot hard.png",
         "explore --kiosk --scenes exhibition" + explore + "--record statue.ply",
         std::string("register statue.yaml --out statue.ply"),
         std::string("register statue.yaml --set scans=[{\\\"file\\\":\\\"path.csv\\\"}] --report path.csv"),

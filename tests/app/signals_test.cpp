@@ -193,6 +193,22 @@ TEST_F(Signals, NoCommandSucceedsWhoseResultsCannotBeWritten) {
   }
 }
 
+TEST_F(Signals, AClosedPipeEndsAProgramWithoutAWord) {
+  constexpr int kPipe = 9;  // one digit, for every shell
+  int ends[2];
+  ASSERT_EQ(::pipe(ends), 0);
+  ::close(ends[0]);
+  ASSERT_EQ(::dup2(ends[1], kPipe), kPipe);
+  ::close(ends[1]);
+  for (const std::string command : {"config keys", "build --help"}) {  // above and below what is buffered
+    const std::string shell =
+        "cd \"" + folder_.path().string() + "\" && \"" + SPARSHA_PROGRAM + "\" " + command + " 2> .err < /dev/null >&9";
+    EXPECT_EQ(WEXITSTATUS(std::system(shell.c_str())), 1) << command << ": what was promised is missing";
+    EXPECT_EQ(text_of(folder_ / ".err"), "") << command;
+  }
+  ::close(kPipe);
+}
+
 // Else the first file that is opened would be the standard output, and get what is printed.
 TEST_F(Signals, NoFileTakesThePlaceOfAStreamThatWasClosed) {
   simulate_scene();

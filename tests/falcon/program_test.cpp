@@ -346,7 +346,7 @@ TEST_F(FalconProgram, TheMonitorEndsWhenNobodyReadsAnyMore) {
   // Without an end of its own: it must not go on for ever behind `head`.
   EXPECT_EQ(run("--fault warm-start -- sh -c \"'" + std::string(SPARSHA_PROGRAM) + "' device monitor | head -1\""), 0);
   EXPECT_THAT(output(), HasSubstr("answers/s"));
-  EXPECT_THAT(messages(), HasSubstr("standard output could not be written"));
+  EXPECT_THAT(messages(), Not(HasSubstr("standard output"))) << "who closes a pipe has what was wanted";
 }
 
 /// That the emulator tells of the last command; not a number where it tells none.
