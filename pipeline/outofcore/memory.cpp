@@ -124,8 +124,8 @@ void require_room_for_program(std::uint64_t bytes, bool looks) {
   const std::uint64_t least = looks ? kLook : kRead;
   if (bytes == 0 || bytes >= least) return;
   throw Error(ErrorKind::failure, {},
-              fmt::format("a build needs at least about {} MB, more than the limit of {} MB", least / 1'000'000U,
-                          bytes / 1'000'000U),
+              fmt::format("a build needs at least about {} MB, more than the limit of {}", least / 1'000'000U,
+                          amount_text(bytes)),
               "a higher --memory");
 }
 
@@ -176,8 +176,8 @@ void require_room_for_sides(const MemoryLimit& limit, std::uint64_t side_bytes) 
 void require_room_on_disk(const MemoryLimit& limit) {
   if (limit.bytes == 0 || limit.bytes >= kProgram) return;
   throw Error(ErrorKind::failure, {},
-              fmt::format("a build of so many points needs at least about {} MB, more than the limit of {} MB",
-                          enough_of(limit, kProgram) / 1'000'000U + 1, limit.bytes / 1'000'000U),
+              fmt::format("a build of so many points needs at least about {} MB, more than the limit of {}",
+                          enough_of(limit, kProgram) / 1'000'000U + 1, amount_text(limit.bytes)),
               "a higher --memory");
 }
 
