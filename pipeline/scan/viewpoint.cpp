@@ -27,7 +27,8 @@ std::string viewpoint_doubt(const Viewpoint& viewpoint) {
   const Eigen::Vector3d place = place_of(viewpoint);
   if (place.isZero(0.0) && turn.angularDistance(Eigen::Quaterniond::Identity()) < kTurned) return {};
   return fmt::format(
-      "its VIEWPOINT {:.6g} is not applied to the points{}; if they are in the scanner's own frame, 'pose: {{translate: [{:.9g}, "
+      "its VIEWPOINT {:.6g} is not applied to the points{}; if they are in the scanner's own frame, 'pose: "
+      "{{translate: [{:.9g}, "
       "{:.9g}, {:.9g}], quaternion: [{:.9g}, {:.9g}, {:.9g}, {:.9g}]}}' of the scan in the configuration moves them "
       "(translate in metres)",
       fmt::join(viewpoint, " "), place.isZero(0.0) ? "" : ", its place alone is used, as the scanner's", place.x(),
