@@ -223,6 +223,8 @@ class Course {
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     if (own.cell != kNoCell) normal = own.normal;
     const Eigen::Vector3d off_m = state_.position_m + kRoundEdge * h * normal;
+    // What a sheet is continued by is no witness against faces that were measured about the hand.
+    const bool within = is_within_edge(object_, hip_m_);
     bool rises = false;
     int rounds = 0;
     for (const double share : {0.0, 0.5, 1.0}) {
@@ -231,6 +233,7 @@ class Course {
         const SheetView view = view_of(object_.sheets[passing.sheet], near_m);
         // The other face of a thin wall is no way round.
         if (view.cell == kNoCell || view.normal.dot(normal) <= -kSameNormal) continue;
+        if (within && view.cell < kLookCell) continue;
         if (is_wall(object_.sheets[passing.sheet], view, normal)) continue;
         const Eigen::Vector3d foot_m = object_.sheets[passing.sheet].to_object(view.local);
         if ((hip_m_ - foot_m).dot(view.normal) < kBesideEdge * h) continue;

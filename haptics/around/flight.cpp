@@ -3,6 +3,7 @@
 #include "haptics/around/flight.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -280,6 +281,25 @@ Held held_at(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector
     held = Held::inside;
   }
   return held;
+}
+
+bool is_within_edge(const ObjectSurface& object, const Eigen::Vector3d& place_m) noexcept {
+  constexpr double kOppositeFaces = -0.5;  // cosine under which faces are those of a wall
+  std::array<Eigen::Vector3d, 4> normals;
+  std::size_t count = 0;
+  bool meet = false;
+  for (const Passing& passing : object.blocks.sheets_at(place_m)) {
+    const SheetView view = view_of(object.sheets[passing.sheet], place_m);
+    const double gap = view.gap_m / object.spacing_m;
+    if (view.cell < kLookCell || gap > kOutsideCells || gap < -kInsideCells) continue;
+    if (gap > kOnEdge) return false;
+    for (std::size_t k = 0; k < count; ++k) {
+      const double cosine = normals[k].dot(view.normal);
+      meet = meet || (cosine > kOppositeFaces && cosine < kSameNormal);
+    }
+    if (count < normals.size()) normals[count++] = view.normal;
+  }
+  return meet;
 }
 
 bool is_outside(const ObjectSurface& object, const Eigen::Vector3d& hand_m, const Eigen::Vector3d& proxy_m) noexcept {

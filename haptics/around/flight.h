@@ -35,6 +35,10 @@ inline constexpr int kMostBlocks = 256;
 enum class Held : std::uint8_t { outside, inside, unknown };
 [[nodiscard]] Held held_at(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& place_m) noexcept;
 
+/// Do measured faces that meet at an angle, as at an edge, all have a place within them? Two faces of a wall do not
+/// meet.
+[[nodiscard]] bool is_within_edge(const ObjectSurface& object, const Eigen::Vector3d& place_m) noexcept;
+
 /// A hand that is outside of a measured sheet near the proxy, and inside of none of them.
 [[nodiscard]] bool is_outside(const ObjectSurface& object, const Eigen::Vector3d& hand_m,
                               const Eigen::Vector3d& proxy_m) noexcept;

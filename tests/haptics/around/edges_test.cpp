@@ -144,6 +144,93 @@ TEST(Around, NoEdgeLetsAHandThrough) {
   }
 }
 
+/// A grille: three bars along x over three along y, 14 mm square and 30 mm apart, in one plane.
+class Grille : public ClosedObject {
+ public:
+  Grille() {
+    for (const double at_m : {-0.03, 0.0, 0.03}) {
+      bars_.push_back({{0.0, at_m, 0.0}, {kHalfLength_m, kHalf_m, kHalf_m}});
+      bars_.push_back({{at_m, 0.0, 0.0}, {kHalf_m, kHalfLength_m, kHalf_m}});
+    }
+  }
+  /// Tops, ends and sides, without the squares where bars cross.
+  [[nodiscard]] double area_m2() const override {
+    const double width = 2.0 * kHalf_m, length = 2.0 * kHalfLength_m;
+    return 2.0 * (6.0 * length * width - 9.0 * width * width) + 12.0 * width * width +
+           12.0 * (length - 3.0 * width) * width;
+  }
+  [[nodiscard]] SurfacePoint sample(std::mt19937_64& random) const override {
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    const double side = kHalfLength_m * kHalf_m, end = kHalf_m * kHalf_m;  // quarters of faces
+    for (;;) {
+      const Bar& bar = bars_[random() % bars_.size()];
+      const int along = bar.half[0] > bar.half[1] ? 0 : 1;
+      const double face = 0.5 * (1.0 + unit(random)) * (2.0 * side + end);
+      const int axis = face < end ? along : face < end + side ? 1 - along : 2;
+      SurfacePoint point{{}, (random() % 2 == 0 ? 1.0 : -1.0) * Vector3d::Unit(axis)};
+      for (int k = 0; k < 3; ++k) point.position_m[k] = bar.half[k] * (k == axis ? point.normal[k] : unit(random));
+      point.position_m += bar.middle;
+      const bool buried = distance_m(point.position_m) < -1e-12;
+      // The tops of crossings belong to two bars.
+      const bool twice = axis == 2 && along == 1 && in_bar_along_x(point.position_m);
+      if (!buried && !twice) return point;
+    }
+  }
+  [[nodiscard]] std::optional<double> front_m(double /*x*/, double /*y*/) const override { return {}; }
+  [[nodiscard]] std::array<double, 4> bounds_m() const override {
+    return {-kHalfLength_m, -kHalfLength_m, kHalfLength_m, kHalfLength_m};
+  }
+  [[nodiscard]] double distance_m(const Vector3d& place_m) const override {
+    double nearest = 1.0;
+    for (const Bar& bar : bars_) {
+      const Vector3d beyond = (place_m - bar.middle).cwiseAbs() - bar.half;
+      nearest = std::min(nearest, beyond.cwiseMax(0.0).norm() + std::min(beyond.maxCoeff(), 0.0));
+    }
+    return nearest;
+  }
+
+ private:
+  struct Bar {
+    Vector3d middle, half;
+  };
+  static constexpr double kHalf_m = 0.007, kHalfLength_m = 0.05;
+
+  [[nodiscard]] static bool in_bar_along_x(const Vector3d& place_m) {
+    return std::abs(place_m.y() - 0.03 * std::round(place_m.y() / 0.03)) < kHalf_m;
+  }
+
+  std::vector<Bar> bars_;
+};
+
+TEST(Around, NoEdgeOfABarLetsGoOfAHandThatPressesBesideIt) {
+  const auto object = std::make_shared<Grille>();
+  std::size_t presses = 0, lost = 0;
+  for (const std::size_t points : {14'000U, 15'000U, 16'000U}) {
+    const Touched on = touched("grille", object, points);
+    std::mt19937_64 random(points);
+    for (int k = 0; k < 1'500; ++k) {
+      const SurfacePoint at = object->sample(random);
+      bool is_free = true;
+      for (double d = 0.2; d <= 6.0; d += 0.2)
+        is_free = is_free && object->distance_m(at.position_m + d * on.h * at.normal) > 0.9 * std::min(d, 3.0) * on.h;
+      // At 0.8 spacings and more from the other faces of the bar.
+      if (!is_free || object->distance_m(at.position_m - 2.5 * on.h * at.normal) > -0.8 * on.h) continue;
+      ++presses;
+      AroundState state;
+      AroundUpdate found;
+      for (int tick = 0; tick <= 55; ++tick) {
+        const Vector3d hip = at.position_m + (3.0 - 0.1 * tick) * on.h * at.normal;
+        found = update_around(*on.surface, hip - on.surface->origin_m, state, {});
+      }
+      lost += found.contact ? 0 : 1;
+    }
+  }
+  const std::string all = std::to_string(lost) + " of " + std::to_string(presses) + " presses lost";
+  if (std::getenv("SPARSHA_FIGURES") != nullptr) std::printf("%s\n", all.c_str());
+  EXPECT_GT(presses, 2'000U);
+  EXPECT_LE(lost, presses * 6 / 1'000) << all;
+}
+
 /// A mesh with its distance as exact points nearby tell it; only good within some spacings of the surface.
 class SampledObject : public ClosedObject {
  public:
