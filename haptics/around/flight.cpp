@@ -30,6 +30,7 @@ constexpr double kOnEdge = 1e-3;     // cells: so far outside, a place still cou
 constexpr double kOutsideCells = 4.5;  // cells
 constexpr double kOutsideRimCells = 3.2;
 constexpr double kAboveCorner = 1.5;         // cells: so far above a hollow corner its wall was measured
+constexpr double kOppositeFaces = -0.5;      // cosine under which faces are those of a wall
 constexpr double kInsideCells = 4.0;         // cells: nor further in
 constexpr double kSameNormal = 0.866025404;  // cosine of 30 degrees
 
@@ -129,12 +130,31 @@ class SheetMarch {
   bool may_hover_;  // the way may begin between two sheets
 };
 
+/// What measured faces beside a sheet's own say of a place: all of them that it is inside, one that it is outside, or
+/// nothing. The other face of a wall is none of them.
+Held held_by_measured(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& place_m,
+                      const Eigen::Vector3d& normal) noexcept {
+  Held held = Held::unknown;
+  for (const Passing& other : object.blocks.sheets_at(place_m)) {
+    if (other.sheet == own) continue;
+    const SheetView view = view_of(object.sheets[other.sheet], place_m);
+    const double gap = view.gap_m / object.spacing_m;
+    if (view.cell < kLookCell || gap > kOutsideCells || gap < -kInsideCells) continue;
+    if (view.normal.dot(normal) < kOppositeFaces) continue;
+    if (gap > kOnEdge) return Held::outside;
+    held = Held::inside;
+  }
+  return held;
+}
+
 /// The rim belongs to the object only where another sheet says that its place is inside, or that one just behind it,
-/// where the other sheet begins.
+/// where the other sheet begins. What was measured says it before what is continued.
 bool is_edge(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& place_m,
              const Eigen::Vector3d& cell_ahead_m) noexcept {
+  const Eigen::Vector3d normal = view_of(object.sheets[own], place_m).normal;
   for (const double share : {0.0, 0.5, 1.0}) {
-    const Held held = held_at(object, own, place_m + share * cell_ahead_m);
+    Held held = held_by_measured(object, own, place_m + share * cell_ahead_m, normal);
+    if (held == Held::unknown) held = held_at(object, own, place_m + share * cell_ahead_m);
     if (held != Held::unknown) return held == Held::inside;
   }
   return false;
@@ -284,7 +304,6 @@ Held held_at(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector
 }
 
 bool is_within_edge(const ObjectSurface& object, const Eigen::Vector3d& place_m) noexcept {
-  constexpr double kOppositeFaces = -0.5;  // cosine under which faces are those of a wall
   std::array<Eigen::Vector3d, 4> normals;
   std::size_t count = 0;
   bool meet = false;
