@@ -51,6 +51,7 @@ void check_study(const std::string& name) {
 int ask_realism() {
   if (!system::stdin_is_terminal() || told_to_end()) return 0;
   const std::function<bool()> stop = interruption_from_now();
+  system::forget_typed();  // keys of the run; what is typed from the question on is an answer
   for (int attempt = 0; attempt < 3; ++attempt) {
     end_progress_line();
     std::fputs("How real did it feel, from 1 (not at all) to 10 (like the object itself)? Enter skips the question. ",

@@ -36,6 +36,7 @@ TerminalInput::TerminalInput() = default;
 TerminalInput::~TerminalInput() = default;
 std::string TerminalInput::read() { return {}; }
 bool stdin_is_terminal() { return false; }
+void forget_typed() noexcept {}
 std::optional<std::string> typed_line(const std::function<bool()>&) { return std::nullopt; }
 void restore_terminal() noexcept {}
 std::filesystem::path standard_output_file() { return {}; }
@@ -118,10 +119,14 @@ void restore_terminal() noexcept {
   if (changed.exchange(false) && in_foreground()) tcsetattr(STDIN_FILENO, TCSANOW, &before);
 }
 
-std::optional<std::string> typed_line(const std::function<bool()>& stop) {
-  if (!in_foreground()) return std::nullopt;
+void forget_typed() noexcept {
+  if (!in_foreground()) return;
   restore_terminal();
   tcflush(STDIN_FILENO, TCIFLUSH);
+}
+
+std::optional<std::string> typed_line(const std::function<bool()>& stop) {
+  if (!in_foreground()) return std::nullopt;
   constexpr int kWait_ms = 50;
   constexpr std::size_t kMost = 4096;  // a terminal's own lines are no longer
   std::array<char, 256> block{};

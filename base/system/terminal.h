@@ -37,9 +37,12 @@ class TerminalInput {
 /// Whether standard input is a terminal in whose foreground this program runs.
 [[nodiscard]] bool stdin_is_terminal();
 
-/// The next line that is typed, without its line feed, with the terminal as it was before any TerminalInput and without
-/// what was typed before the call. Nothing at the end of input, or once `stop`, asked twenty times a second, is true;
-/// nothing at once where standard input is no terminal of this program's.
+/// Gives the terminal back as it was before any TerminalInput, and forgets what was typed until now. To be called
+/// before a question is shown: what is typed after it is an answer.
+void forget_typed() noexcept;
+
+/// The next line that is typed, without its line feed. Nothing at the end of input, or once `stop`, asked twenty times
+/// a second, is true; nothing at once where standard input is no terminal of this program's.
 [[nodiscard]] std::optional<std::string> typed_line(const std::function<bool()>& stop);
 
 /// Whether standard error is a terminal on which a line can be drawn anew: TERM is not "dumb".
