@@ -69,7 +69,7 @@ std::vector<float> continued_envelope(const scene::DepthGrid& grid, const std::v
   if (kReach * sigma < 1) return result;
   const SurfaceLinks links(grid, {noise_m, step_m}, pool);
   if (!any_loose(links, lattice.ny)) return result;
-  const OwnLayerFit layer_fit(sigma, whole_gain(sigma));
+  const OwnLayerFit layer_fit(sigma, lattice.spacing_m, whole_gain(sigma));
   const SurfaceLinks thinned = links.thinned(layer_fit.stride());
   const TextureView heights{grid.height_m.data(), nullptr, static_cast<std::size_t>(lattice.nx)};
   const int stride = layer_fit.stride(),

@@ -229,8 +229,10 @@ CurvatureMap texture_curvature(const scene::DepthGrid& grid, const std::vector<f
   // Windows that are not whole: without the envelope's part, of which as much is taken to be in them.
   const NoiseGain whole = noise_gain(filter, 0.0);
   const double envelope_share = gain.rms() / whole.rms();
-  const double texture_noise_m = std::hypot(noise_m * std::sqrt(envelope_share), rounding_m(grid));
-  const OwnLayerFit layer_fit(scale, whole);
+  const double rounded_m = rounding_m(grid);
+  const TextureNoise texture_noise{std::hypot(noise_m, rounded_m),
+                                   std::hypot(noise_m * std::sqrt(envelope_share), rounded_m)};
+  const OwnLayerFit layer_fit(scale, h, whole);
   const SurfaceLinks links(grid, {noise_m, step_m}, pool);
   const SurfaceLinks thinned = links.thinned(layer_fit.stride());
 
@@ -281,7 +283,7 @@ CurvatureMap texture_curvature(const scene::DepthGrid& grid, const std::vector<f
         NoiseGain own;
         if (!std::isnan(d.h_xx)) {
           keep(n, d, std::min(from_x, from_y) >= r ? noise : expected(border_noise.at(from_x, from_y)));
-        } else if (!std::isnan(grid.height_m[n]) && fit.fit(texture, thinned, x, y, texture_noise_m, d, own)) {
+        } else if (!std::isnan(grid.height_m[n]) && fit.fit(texture, thinned, x, y, texture_noise, d, own)) {
           keep(n, d, expected(own));
         } else {
           map.rms_per_m[n] = map.mean_per_m[n] = map.gaussian_per_m2[n] = scene::kUnknownHeight;

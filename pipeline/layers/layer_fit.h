@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "pipeline/layers/surface_links.h"
 
@@ -36,29 +35,35 @@ struct TextureView {
   }
 };
 
+/// Noise of a texture, metres.
+struct TextureNoise {
+  double node_m;  ///< of one node
+  double bend_m;  ///< white noise that would give second derivatives the noise that they have: an envelope takes of it
+};
+
 /// a[0] + a[1] x + a[2] y + a[3] x^2 + a[4] x y + a[5] y^2 above a node's value, x and y in scales of its fit.
 using Quadratic = std::array<double, 6>;
 
-/// Three weighted fits, each of which counts as far as it differs from those before by more than noise, or what the fit
-/// itself leaves of the surface, explains:
-/// a quadratic under a Gaussian 1.5 times as wide as a whole window's, which on one side carries no more noise than
-/// that does, but gives the curvature of a place inside; a cubic, which follows a curvature that changes towards the
-/// border, and carries noise seven times over; a narrower cubic, nearly as true as a whole window, for clean surfaces.
+/// A quartic under a Gaussian twice as wide as a whole window's, whose cubic and quartic terms are held to those that a
+/// quadric in the tangent plane has, as far as the noise asks for: ridge regression, averaged over six strengths by how
+/// well each explains the window (its marginal likelihood). Smooth surfaces get a wide quadratic, which on one side
+/// carries little more noise than a whole window does; where curvature changes towards the border, or noise is low, the
+/// fit follows it. Where the wide quartic leaves more than noise, a narrower one takes its place.
 class OwnLayerFit {
  public:
-  /// `scale`: of the Gaussian, spacings; `whole`: gain of a whole window, which ends at 2.5 scales.
-  OwnLayerFit(double scale, const NoiseGain& whole);
+  /// `scale`: of the Gaussian, spacings of `spacing_m`; `whole`: gain of a whole window, which ends at 2.5 scales.
+  OwnLayerFit(double scale, double spacing_m, const NoiseGain& whole);
 
   /// Every how many nodes the fit looks: wide windows are thinned.
   [[nodiscard]] int stride() const { return stride_; }
 
-  /// At node (i, j), in the texture's unit per spacing (squared). `noise` of the texture, its own unit. False where
-  /// fewer than 6 nodes of the layer are in the window or these stand so that noise would grow more than kMostGain
-  /// times beyond that of a whole window. `links` have stride(). About 2 us for a scale of 3 spacings.
-  [[nodiscard]] bool fit(const TextureView& texture, const SurfaceLinks& links, int i, int j, double noise,
+  /// At node (i, j), in metres per spacing (squared). False where fewer than 6 nodes of the layer are in the window or
+  /// these stand so that noise would grow more than kMostGain times beyond that of a whole window. `links` have
+  /// stride().
+  [[nodiscard]] bool fit(const TextureView& texture, const SurfaceLinks& links, int i, int j, const TextureNoise& noise,
                          Derivatives& result, NoiseGain& gain);
 
-  /// The quadratic alone; nothing where fit() would be false.
+  /// A quadratic alone, under a Gaussian 1.5 times as wide as a whole window's; nothing where the nodes do not tell it.
   [[nodiscard]] std::optional<Quadratic> quadratic(const TextureView& texture, const SurfaceLinks& links, int i, int j);
   /// The window that the last fit looked at, of radius() * stride() nodes either way.
   [[nodiscard]] const LayerWindow& window() const { return window_; }
@@ -66,36 +71,41 @@ class OwnLayerFit {
 
  private:
   static constexpr int kColumns = 2 * LayerWindow::kMostRadius + 1;
-  static constexpr std::size_t kPowers = 7;  // 0 to 6: a cubic's normal equations
+  static constexpr std::size_t kPowers = 9;  // 0 to 8: a quartic's normal equations
 
   /// A Gaussian's weights by column (or row), and their sums over runs of columns.
   struct Weights {
-    Weights(double scale, int stride, int radius, double width);
+    Weights(double scale, int stride, int radius, double width, double reach);
     int radius;
     std::array<double, kColumns> weight{}, place{};
-    std::array<std::array<double, 4>, kColumns> data{};  // times powers of the place
+    std::array<std::array<double, 5>, kColumns> data{};  // times powers of the place
     // Over columns before k: weights times powers of the place, then squared weights so.
     std::array<std::array<double, 2 * kPowers>, kColumns + 1> before{};
   };
-
-  [[nodiscard]] std::size_t missing_share(const Weights& weights) const;
   struct Fitted {
     Derivatives derivatives;
     NoiseGain gain;
-    Quadratic quadratic{};
-    double misfit_2 = 0;  ///< mean square of what the fit leaves, as if its terms had cost it nothing
   };
-  [[nodiscard]] std::optional<Fitted> fit_quadratic(const TextureView& texture, const SurfaceLinks& links, int i,
-                                                    int j);
-  template <std::size_t Terms>
-  [[nodiscard]] std::optional<Fitted> fit_terms(const Weights& weights, const TextureView& texture, int i, int j) const;
+  struct Quartic {
+    Fitted fitted;
+    double least_gain = 0;  ///< NoiseGain::rms() of the quadratic terms alone
+    double misfit_2 = 0;    ///< mean square of what the fit leaves, as if its terms had cost it nothing; 0: cannot tell
+  };
+  template <std::size_t Degree>
+  struct Sums;
 
-  double scale_;
+  template <std::size_t Degree>
+  [[nodiscard]] Sums<Degree> sums(const Weights& weights, const TextureView& texture, int i, int j) const;
+  [[nodiscard]] std::optional<Fitted> fit_quadratic(const Weights& weights, const TextureView& texture, int i, int j,
+                                                    Quadratic& quadratic) const;
+  [[nodiscard]] std::optional<Quartic> fit_quartic(const Weights& weights, const TextureView& texture, int i, int j,
+                                                   double noise_m) const;
+  [[nodiscard]] double missing_share() const;
+
+  double scale_, spacing_m_;
   int stride_, radius_;
   NoiseGain whole_;
-  // The quadratic's; the cubics', from those of whole windows to those of windows that miss half.
-  std::shared_ptr<const Weights> quadratic_;
-  std::shared_ptr<const std::vector<Weights>> cubic_, narrow_cubic_;
+  std::shared_ptr<const Weights> quadratic_, as_whole_, wide_, narrow_;
   LayerWindow window_;
 };
 
