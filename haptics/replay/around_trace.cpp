@@ -28,6 +28,12 @@ ProxyUpdate on_sheet(const AroundUpdate& found, const SheetSurface& sheet) {
 
 }  // namespace
 
+double distance_away_m(const ObjectSurface& object, const Eigen::Vector3d& place_m) {
+  if (!place_m.allFinite()) return 0.0;
+  const double distance_m = object.box_m.exteriorDistance(place_m);
+  return distance_m > object.box_m.sizes().maxCoeff() ? distance_m : 0.0;
+}
+
 TraceResult trace_around(const ObjectSurface& object, const std::vector<HipSample>& path,
                          const Eigen::Matrix4d& scan_from_grid, const scene::HapticsConfig& haptics,
                          const SolverOptions& solver, Progress* progress) {
@@ -36,7 +42,8 @@ TraceResult trace_around(const ObjectSurface& object, const std::vector<HipSampl
   TraceRecorder recorder(path.size(), progress);
   const Eigen::Matrix4d grid_from_scan = scan_from_grid.inverse();
   const Eigen::Matrix3d turn = scan_from_grid.topLeftCorner<3, 3>();
-  const Eigen::Matrix3d force_from_grid = turn / std::cbrt(std::abs(turn.determinant()));
+  const double scale = std::cbrt(std::abs(turn.determinant()));
+  const Eigen::Matrix3d force_from_grid = turn / scale;
   const auto to_scan = [&](const Eigen::Vector3d& object_m) -> Eigen::Vector3d {
     return turn * (object_m + object.origin_m) + scan_from_grid.topRightCorner<3, 1>();
   };
@@ -62,17 +69,18 @@ TraceResult trace_around(const ObjectSurface& object, const std::vector<HipSampl
     around.hand_overs += static_cast<std::uint64_t>(found.hand_overs);
     around.edges += static_cast<std::uint64_t>(found.edges);
     around.releases += found.released ? 1 : 0;
-    if (!found.contact) {
+    if (found.contact) {
+      const SheetSurface& sheet = object.sheets[found.sheet];
+      row.sheet = sheet.number;
+      touched[sheet.number] = true;
+      if (found.in_crease)
+        recorder.add(row, found.unfinished);
+      else
+        recorder.add(row, *sheet.surface, on_sheet(found, sheet), sheet.to_local(hip), options.shape);
+    } else {
       recorder.add(row, found.unfinished);
-      continue;
     }
-    const SheetSurface& sheet = object.sheets[found.sheet];
-    row.sheet = sheet.number;
-    touched[sheet.number] = true;
-    if (found.in_crease)
-      recorder.add(row, found.unfinished);
-    else
-      recorder.add(row, *sheet.surface, on_sheet(found, sheet), sheet.to_local(hip), options.shape);
+    if (const double away_m = distance_away_m(object, hip); away_m > 0.0) recorder.outside(scale * away_m, true);
   }
   around.touched = static_cast<std::uint64_t>(std::count(touched.begin(), touched.end(), true));
   TraceResult result = std::move(recorder).finish();

@@ -10,6 +10,10 @@
 
 namespace sparsha::haptics {
 
+/// From the box of the object's nodes to a place (object frame), where that is farther than the box is long: no device
+/// that holds the object reaches there. Else 0. Grid metres.
+[[nodiscard]] double distance_away_m(const ObjectSurface& object, const Eigen::Vector3d& place_m);
+
 /// Renders `path`, which is given in the scan frame like the rows that come back, forces too. At the first sample the
 /// proxy is the hand, wherever that is. `scan_from_grid` turns and scales alike in all directions where a force is to
 /// point from the hand to the proxy. `progress` as in trace().

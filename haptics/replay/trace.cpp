@@ -61,14 +61,6 @@ std::string doubt_of(std::uint64_t count, std::uint64_t first, std::string_view 
          std::to_string(first) + " below the header)";
 }
 
-/// From the surface's rectangle, in its plane; 0 within and where the hand is nowhere.
-double distance_beside(const MongeSurface& surface, const Eigen::Vector3d& hip_local_m) {
-  const auto beyond = [](double at, double end) { return std::max({0.0, -at, at - end}); };
-  const double distance_m =
-      std::hypot(beyond(hip_local_m.x(), surface.width_m()), beyond(hip_local_m.y(), surface.depth_m()));
-  return std::isfinite(distance_m) ? distance_m : 0.0;
-}
-
 /// Between two rows: tells the share that is done. Throws Cancelled.
 void tell_progress(Progress* progress, std::size_t done, std::size_t rows) {
   if (progress != nullptr && done % kBlock == 0)
@@ -86,7 +78,14 @@ std::vector<std::string> sentences(const PathDoubts& doubts) {
       "have times or positions that are not numbers");
   say(doubts.same_time, doubts.first_same_time, "has the time of the row before", "have the time of the row before");
   say(doubts.backwards, doubts.first_backwards, "is earlier than a row before", "are earlier than a row before");
-  if (doubts.outside > 0)
+  if (doubts.outside > 0 && doubts.outside_object)
+    all.push_back(doubt_of(
+        doubts.outside, doubts.first_outside,
+        fmt::format(
+            "{} farther from the object than it is long, by up to {} from its box: are these metres, in the frame "
+            "that was said?",
+            doubts.outside == 1 ? "is" : "are", length_text(doubts.outside_m))));
+  else if (doubts.outside > 0)
     all.push_back(doubt_of(
         doubts.outside, doubts.first_outside,
         fmt::format("{} beside the scene, by up to {}, and {} of them in contact with the level "
@@ -100,6 +99,12 @@ std::vector<std::string> sentences(const PathDoubts& doubts) {
                     rows_text(doubts.impossible_force), doubts.impossible_force == 1 ? "has" : "have",
                     kImpossibleForce_n, doubts.largest_force_n, length_text(doubts.deepest_m)));
   return all;
+}
+
+double distance_beside_m(const MongeSurface& surface, const Eigen::Vector3d& local_m) {
+  const auto beyond = [](double at, double end) { return std::max({0.0, -at, at - end}); };
+  const double distance_m = std::hypot(beyond(local_m.x(), surface.width_m()), beyond(local_m.y(), surface.depth_m()));
+  return std::isfinite(distance_m) ? distance_m : 0.0;
 }
 
 TraceRecorder::TraceRecorder(std::size_t rows, Progress* progress) : expected_(rows), progress_(progress) {
@@ -146,8 +151,9 @@ void TraceRecorder::doubt(const TraceRow& row) {
   latest_s_ = std::max(latest_s_, row.t_s);
 }
 
-void TraceRecorder::outside(double distance_m) {
+void TraceRecorder::outside(double distance_m, bool object) {
   PathDoubts& path = result_.summary.path;
+  path.outside_object = path.outside_object || object;
   if (path.outside++ == 0) path.first_outside = result_.rows.size();
   if (result_.rows.back().contact) ++path.outside_in_contact;
   path.outside_m = std::max(path.outside_m, distance_m);
@@ -194,7 +200,7 @@ TraceResult trace(const MongeSurface& surface, const std::vector<HipSample>& pat
     row.tick_ns = elapsed_ns;
     row.level = surface.level;
     recorder.add(row, surface, update, hip, paper ? CellShape::bilinear : options.shape);
-    if (const double beside_m = distance_beside(surface, hip); beside_m > surface.lattice.spacing_m)
+    if (const double beside_m = distance_beside_m(surface, hip); beside_m > surface.lattice.spacing_m)
       recorder.outside(beside_m);
   }
   return std::move(recorder).finish();

@@ -49,9 +49,11 @@ struct PathDoubts {
   std::uint64_t same_time = 0;     ///< the time of the row before
   std::uint64_t backwards = 0;     ///< earlier than a row before
   std::uint64_t first_not_a_number = 0, first_same_time = 0, first_backwards = 0;  ///< row, 1 below the header; 0: none
-  /// More than a cell beside the surface, which goes on level there (MongeSurface); of a whole object nothing is.
+  /// More than a cell beside the surface, which goes on level there (MongeSurface); of a whole object, farther from its
+  /// box than that is long, where no device that holds it reaches.
   std::uint64_t outside = 0, outside_in_contact = 0, first_outside = 0;
-  double outside_m = 0.0;              ///< the farthest of them, beyond the border
+  double outside_m = 0.0;              ///< the farthest of them, beyond the border or the box
+  bool outside_object = false;         ///< one of them was outside a whole object
   std::uint64_t impossible_force = 0;  ///< above kImpossibleForce_n
   double largest_force_n = 0.0;        ///< of all rows
   double deepest_m = 0.0;              ///< from hand to proxy, of all rows in contact
@@ -90,6 +92,9 @@ struct TraceResult {
                                 const scene::HapticsConfig& haptics, const SolverOptions& options,
                                 Progress* progress = nullptr);
 
+/// How far a place in the frame of a surface is beside its rectangle, in its plane; 0 within and for what is no number.
+[[nodiscard]] double distance_beside_m(const MongeSurface& surface, const Eigen::Vector3d& local_m);
+
 /// Gathers rows and judges every rest, for trace() and others that render offline.
 class TraceRecorder {
  public:
@@ -101,8 +106,8 @@ class TraceRecorder {
            const Eigen::Vector3d& hip_local_m, CellShape shape);
   /// The same without a rest to be judged: the proxy is free, or in a crease between two surfaces.
   void add(TraceRow row, bool unfinished);
-  /// That the hand of the row that was added last is so far beside the surface.
-  void outside(double distance_m);
+  /// That the hand of the row that was added last is so far beside the surface, or from a whole object.
+  void outside(double distance_m, bool object = false);
   [[nodiscard]] TraceResult finish() &&;
 
  private:

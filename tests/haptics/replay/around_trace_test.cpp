@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -66,6 +69,33 @@ TEST(AroundTrace, ComesBackInTheScanFrame) {
   EXPECT_EQ(result.summary.around->touched, 1U);
   EXPECT_EQ(result.summary.contacts, 1U);
   EXPECT_EQ(result.summary.below_surface, 0U);
+}
+
+TEST(AroundTrace, RowsFarFromTheObjectAndForcesOfNoDeviceAreCountedAndSaid) {
+  const auto object = make_object_surface(one_sheet());
+  Eigen::Matrix4d scan_from_grid = Eigen::Matrix4d::Identity();
+  scan_from_grid.topLeftCorner<3, 3>() *= 2.0;
+  // The sheet is 20 mm long: 19 mm beside it is none of its business, 30 mm and a path in other units are too far.
+  const std::vector<Eigen::Vector3d> places{{1.003, 2.029, 3.0}, {1.033, 2.0, 3.0}, {1.004, 2.0, 3.0},
+                                            {1.001, 2.0, 3.0},   {0.9, 2.0, 3.0},   {1000.0, 2000.0, 3000.0}};
+  std::vector<HipSample> path;
+  for (const Eigen::Vector3d& place : places) path.push_back({0.001 * double(path.size()), 2.0 * place});
+  path.push_back({0.1, Eigen::Vector3d::Constant(std::nan(""))});
+  const TraceResult result = trace_around(*object, path, scan_from_grid, {}, {});
+  const PathDoubts& doubts = result.summary.path;
+  EXPECT_EQ(doubts.outside, 3U);
+  EXPECT_EQ(doubts.first_outside, 2U);
+  EXPECT_EQ(doubts.not_a_number, 1U);
+  // Of the scan frame, which is twice as large.
+  EXPECT_NEAR(doubts.outside_m, 2.0 * std::hypot(998.997, 1997.99, 2996.99), 1e-3);
+  EXPECT_EQ(doubts.impossible_force, 1U);
+  EXPECT_NEAR(doubts.deepest_m, 2.0 * 0.103, 1e-6);
+  const std::vector<std::string> said = sentences(doubts);
+  ASSERT_EQ(said.size(), 3U);
+  EXPECT_NE(said[1].find("3 rows of the hand's path are farther from the object than it is long, by up to 7"),
+            std::string::npos)
+      << said[1];
+  EXPECT_NE(said[2].find("1 row of the path has forces above 50 N"), std::string::npos) << said[2];
 }
 
 TEST(AroundTrace, WritesTheSheetOfEachRow) {

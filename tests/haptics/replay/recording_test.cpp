@@ -314,6 +314,36 @@ TEST(Session, TraceOfARecordingEqualsTheLiveRunThroughZoomsPansAndSwaps) {
   EXPECT_LE(result.summary.residual_cells_p99, 1.1e-9);
 }
 
+TEST(Session, TraceOfARecordingCountsRowsOutsideTheSceneAndForcesOfNoDevice) {
+  for (const bool around : {false, true}) {
+    SCOPED_TRACE(around);
+    const test::TestFolder folder;
+    const auto scene = around ? test::whole_scene(test::ball_charts()) : textured_scene();
+    SessionOptions options;
+    options.record = folder / "run.csv";
+    // A nearer view: the scene goes on beyond its window.
+    record(scene, 5, options, {{Request::Kind::zoom_in}});
+    EXPECT_EQ(trace_recording(scene, Recording(options.record), options.haptics, {}).summary.path.outside, 0U);
+    Csv rows = read_csv(options.record);
+    std::size_t touch = 1;
+    while (rows.at(touch)[column(rows, "contact")] == "0") ++touch;
+    // A hand that was a metre inside for a tick, and two that were as far beside.
+    rows[touch + 5][column(rows, "device_z_m")] = "-1";
+    for (const std::size_t row : {std::size_t{2}, std::size_t{7}}) rows[row][column(rows, "device_x_m")] = "-0.95";
+    std::ofstream stream(folder / "far.csv");
+    for (const auto& row : rows)
+      for (std::size_t c = 0; c < row.size(); ++c) stream << row[c] << (c + 1 < row.size() ? ',' : '\n');
+    stream.close();
+    const PathDoubts doubts = trace_recording(scene, Recording(folder / "far.csv"), options.haptics, {}).summary.path;
+    EXPECT_GE(doubts.outside, 2U);
+    EXPECT_LE(doubts.outside, around ? 3U : 2U) << "a hand a metre behind one view is below it, not beside";
+    EXPECT_EQ(doubts.first_outside, 2U);
+    EXPECT_GT(doubts.outside_m, 0.3);
+    EXPECT_GE(doubts.impossible_force, around ? 0U : 1U);
+    EXPECT_FALSE(sentences(doubts).empty());
+  }
+}
+
 TEST(Session, NoNumberOfARecordingReachesTheDeviceUnchecked) {
   const test::TestFolder folder;
   const auto scene = textured_scene();
