@@ -89,8 +89,7 @@ std::string mesh_lines(const pipeline::ClosedMeshFacts& facts, pipeline::Holes h
                   facts.shells == 1 ? "closed surface" : "closed surfaces", facts.area_m2, facts.volume_m3);
   if (facts.closing_m2 > 0.0) {
     text += fmt::format("no scan saw {:.2g} % of it: {}\n", 100.0 * facts.unseen(),
-                        holes == pipeline::Holes::leave ? "it is left open there"
-                                                        : "holes are closed there; --holes leave leaves them open");
+                        holes == pipeline::Holes::leave ? "it is left open there" : "holes are closed there");
   }
   if (facts.crumbs > 0)
     text += fmt::format("{} left out: smaller than a ball of 2 spacings radius\n",
@@ -102,6 +101,12 @@ int export_whole(const scene::Scene& scene, const std::string& file, pipeline::H
                  Terminal& terminal) {
   ThreadPool pool;
   const pipeline::ClosedMeshFacts facts = pipeline::export_whole_mesh(scene, file, holes, {pool, terminal.progress()});
+  if (holes == pipeline::Holes::close && facts.closing_m2 > 0.0) {
+    terminal.progress().warn(
+        fmt::format("{:.2g} % of the mesh's surface is made up: it closes over places that no scan saw, and the volume "
+                    "depends on it; --holes leave leaves them open",
+                    100.0 * facts.unseen()));
+  }
   if (common.json) {
     print(nlohmann::ordered_json{{"shells", facts.shells},
                                  {"area_m2", facts.area_m2},

@@ -19,8 +19,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A ball of 50 mm about (1, 2, 3) m, and a configuration that looks at it askew.
-void write_ball(const fs::path& folder) {
+/// A ball of 50 mm about (1, 2, 3) m down to `lowest` radii, and a configuration that looks at it askew.
+void write_ball(const fs::path& folder, double lowest = -1.0) {
   std::ofstream scan(folder / "ball.xyz");
   scan << std::setprecision(9);
   std::mt19937_64 random(4);
@@ -30,6 +30,7 @@ void write_ball(const fs::path& folder) {
     double length = 0.0;
     for (double& coordinate : p) coordinate = normal(random), length += coordinate * coordinate;
     for (double& coordinate : p) coordinate *= 0.05 / std::sqrt(length);
+    if (p[2] < 0.05 * lowest) continue;
     scan << 1.0 + p[0] << ' ' << 2.0 + p[1] << ' ' << 3.0 + p[2] << '\n';
   }
   std::ofstream(folder / "ball.yaml")
@@ -102,6 +103,7 @@ TEST_F(Program, ExportsOneClosedMeshOfAWholeObject) {
   const Outcome whole = run(to("ball.ply") + "--json");
   ASSERT_EQ(whole.code, 0) << whole.err;
   EXPECT_EQ(whole.err.find("front view"), std::string::npos) << whole.err;
+  EXPECT_EQ(whole.err.find("made up"), std::string::npos) << whole.err;
   const auto facts = nlohmann::json::parse(whole.out);
   EXPECT_EQ(facts["shells"].get<int>(), 1);
   EXPECT_NEAR(facts["volume_m3"].get<double>(), 4.0 / 3.0 * M_PI * std::pow(0.05, 3.0), 2e-6);
@@ -115,6 +117,22 @@ TEST_F(Program, ExportsOneClosedMeshOfAWholeObject) {
   EXPECT_EQ(run(to("ball.tif") + "--holes leave").code, 2);
   EXPECT_THAT(run(to("ball.stl") + "--unrolled").err, HasSubstr("--unrolled means nothing here"));
   EXPECT_EQ(run(to("ball.glb") + "--haptics").code, 2);
+}
+
+TEST_F(Program, WarnsOfTheShareOfAClosedMeshThatIsMadeUp) {
+  write_ball(folder_, -0.7);
+  ASSERT_EQ(run("build ball.yaml --out scene").code, 0);
+  const Outcome closed = run("export scene --to ball.ply --json");
+  ASSERT_EQ(closed.code, 0) << closed.err;
+  const double unseen = nlohmann::json::parse(closed.out)["unseen"].get<double>();
+  // The cap that is missing is 0.15 of the ball, the disc over it 0.13 of that and the rest.
+  EXPECT_NEAR(unseen, 0.14, 0.03);
+  EXPECT_THAT(closed.err, HasSubstr(std::to_string(static_cast<int>(std::lround(100.0 * unseen))) +
+                                    " % of the mesh's surface is made up: it closes over places that no scan saw"));
+  const Outcome open = run("export scene --to ball.obj --holes leave");
+  ASSERT_EQ(open.code, 0) << open.err;
+  EXPECT_EQ(open.err.find("made up"), std::string::npos) << open.err;
+  EXPECT_THAT(open.out, HasSubstr("it is left open there"));
 }
 
 TEST_F(Program, LooksAtAMeshOfTwelveTrianglesFromAllSides) {
