@@ -30,7 +30,10 @@ std::string around_lines(const pipeline::Report& report) {
   return line("whole object", check.cloud_to_surface) +
          fmt::format("{:<16}  {} of {} sampled points lie more than {:.0f} nodes from every sheet\n", "far",
                      count_text(check.far), count_text(check.sampled), pipeline::ChartCheck::kFarSpacings) +
-         line("sheets agree", check.agreement);
+         line("sheets agree", check.agreement) +
+         fmt::format("{:<16}  {} of {} nodes face what the points enclose; of {} no ray tells\n", "sides",
+                     count_text(check.sides.inwards), count_text(check.sides.told + check.sides.untold),
+                     count_text(check.sides.untold));
 }
 
 std::string thing_of(pipeline::CheckResult::Against against) {

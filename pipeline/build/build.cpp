@@ -284,6 +284,7 @@ AroundReport around_of(const ChartResult& found, const std::function<ChartCheck(
   if (check) {
     progress.begin("cross-check of charts");
     report.check = check(found.charts);
+    if (const auto doubt = doubt_of_sides(report.check->sides)) progress.warn(*doubt);
   }
   return report;
 }

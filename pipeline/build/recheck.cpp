@@ -8,6 +8,7 @@
 #include "base/files/files.h"
 #include "base/threads/thread_pool.h"
 #include "pipeline/build/project_scans.h"
+#include "pipeline/build/warnings.h"
 #include "pipeline/scan/repeated.h"
 #include "scene/folder/folder.h"
 #include "scene/folder/heights.h"
@@ -127,6 +128,7 @@ Report recheck_scene(const scene::Scene& scene, const std::vector<fs::path>& sca
     report.around->nodes = charts.measured_nodes();
     report.around->spacing_m = charts.spacing_m;
     report.around->check = projected.check_charts(charts);
+    if (const auto doubt = doubt_of_sides(report.around->check->sides)) progress.warn(*doubt);
   }
   progress.begin("cross-check");
   scene::Layers layers = scene.read_level(0);

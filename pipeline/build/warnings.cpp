@@ -162,6 +162,19 @@ void require_surface_near_points(const Projection& projection, const scene::Latt
       "another orientation" + filter + ", a larger grid.spacing_mm or fewer outliers; --force builds it all the same");
 }
 
+std::optional<std::string> doubt_of_sides(const SidesCheck& sides) {
+  constexpr double kSome = 0.001;  // at sharp edges up to so many nodes face away
+  const std::uint64_t nodes = sides.told + sides.untold;
+  if (sides.places.empty() || static_cast<double>(sides.inwards) < kSome * static_cast<double>(nodes)) return {};
+  const SidesCheck::Place& largest = sides.places.front();
+  return fmt::format(
+      "around: {:.2g} % of the surface ({} nodes) faces what the points enclose, most of it between ({:.4g}, {:.4g}, "
+      "{:.4g}) and ({:.4g}, {:.4g}, {:.4g}) m in the frame of the scans: a hand comes in there without a force; that "
+      "is right only for a room from within, of scans that do not say where they were made from",
+      100.0 * static_cast<double>(sides.inwards) / static_cast<double>(nodes), count_text(sides.inwards),
+      largest.min_m.x(), largest.min_m.y(), largest.min_m.z(), largest.max_m.x(), largest.max_m.y(), largest.max_m.z());
+}
+
 std::optional<std::string> ignored_by_heights(const scene::Config& config) {
   const auto solid = [](const auto& box) { return box.solid_m.has_value(); };
   std::vector<std::string> ignored;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/check/check.h"
+#include "pipeline/check/sides_check.h"
 #include "pipeline/projection/projection.h"
 
 namespace sparsha::scene {
@@ -32,6 +33,9 @@ struct SurfaceDoubts {
 [[nodiscard]] std::vector<std::string> surface_warnings(const Projection& projection, const scene::Lattice& lattice,
                                                         std::uint64_t measured,
                                                         const std::optional<CheckResult>& check);
+
+/// Nothing where hardly any node faces inwards, as at sharp edges.
+[[nodiscard]] std::optional<std::string> doubt_of_sides(const SidesCheck& sides);
 
 /// What a build of heights alone (`BuildOptions::grid_only`) leaves out and whose absence makes another surface or
 /// another object than that of the configuration; nothing where there is none of it.

@@ -7,6 +7,7 @@
 
 #include "base/threads/context.h"
 #include "pipeline/check/check.h"
+#include "pipeline/check/sides_check.h"
 #include "pipeline/scan/cloud.h"
 #include "scene/charts.h"
 #include "scene/config/config.h"
@@ -23,6 +24,7 @@ struct ChartCheck {
   DistanceStatistics agreement;
   std::uint64_t nodes = 0;        ///< looked at for this
   std::uint64_t nodes_alone = 0;  ///< of them, those where no sheet of another side is
+  SidesCheck sides;
 
   static constexpr double kFarSpacings = 3.0;  ///< of nodes
 };

@@ -311,6 +311,15 @@ std::string whole_object(const AroundReport& around) {
     distances("between sheets of two sides", check.agreement);
     row("nodes that one side alone has",
         fmt::format("{} of {} looked at", count(check.nodes_alone), count(check.nodes)));
+    const SidesCheck& sides = check.sides;
+    row("nodes that face what the points enclose",
+        fmt::format("{} of {} whose side the points tell", count(sides.inwards), count(sides.told)));
+    for (const SidesCheck::Place& place : sides.places) {
+      row("of them, between",
+          fmt::format("({:.4g}, {:.4g}, {:.4g}) and ({:.4g}, {:.4g}, {:.4g}) m of the scans: {} nodes", place.min_m.x(),
+                      place.min_m.y(), place.min_m.z(), place.max_m.x(), place.max_m.y(), place.max_m.z(),
+                      count(place.nodes)));
+    }
   }
   return html + "</tbody></table>";
 }

@@ -55,15 +55,28 @@ Json check(const std::optional<CheckResult>& result) {
           {"second_method", second}};
 }
 
+Json sides(const SidesCheck& r) {
+  Json places = Json::array();
+  for (const SidesCheck::Place& place : r.places) {
+    Json box = Json::array();
+    for (const Eigen::Vector3d* end : {&place.min_m, &place.max_m})
+      for (const double coordinate : *end) box.push_back(number(coordinate));
+    places.push_back({{"nodes", place.nodes}, {"box_m", std::move(box)}});
+  }
+  return {{"told", r.told}, {"inwards", r.inwards}, {"untold", r.untold}, {"places", std::move(places)}};
+}
+
 Json around(const AroundReport& r) {
-  Json json = {{"sheets", r.sheets},
-               {"nodes", r.nodes},
-               {"spacing_m", number(r.spacing_m)},
-               {"point_spacing_m", number(r.point_spacing_m)},
-               {"noise_m", number(r.noise_m)},
-               {"discs", {{"found", r.discs}, {"undecided", r.undecided}, {"thin", r.thin}}},
-               {"small_sheet_nodes", r.small_nodes},
-               {"check", nullptr}};
+  Json json = {
+      {"sheets", r.sheets},
+      {"nodes", r.nodes},
+      {"spacing_m", number(r.spacing_m)},
+      {"point_spacing_m", number(r.point_spacing_m)},
+      {"noise_m", number(r.noise_m)},
+      {"discs",
+       {{"found", r.discs}, {"undecided", r.undecided}, {"thin", r.thin}}},
+      {"small_sheet_nodes", r.small_nodes},
+      {"check", nullptr}};
   if (r.check) {
     json["check"] = {{"points", r.check->points},
                      {"sampled", r.check->sampled},
@@ -71,7 +84,8 @@ Json around(const AroundReport& r) {
                      {"cloud_to_surface", statistics(r.check->cloud_to_surface)},
                      {"agreement", statistics(r.check->agreement)},
                      {"nodes", r.check->nodes},
-                     {"nodes_alone", r.check->nodes_alone}};
+                     {"nodes_alone", r.check->nodes_alone},
+                     {"sides", sides(r.check->sides)}};
   }
   return json;
 }
