@@ -269,6 +269,7 @@ AroundReport around_of(const ChartResult& found, const std::function<ChartCheck(
                       found.discs,
                       found.discs_undecided,
                       found.discs_thin,
+                      found.mixed_share,
                       found.small_sheet_nodes,
                       std::nullopt};
   constexpr double kSome = 0.001;
@@ -281,6 +282,7 @@ AroundReport around_of(const ChartResult& found, const std::function<ChartCheck(
   warn_of(found.discs_undecided, found.discs_undecided, "nothing tells which side of it is outside");
   // One disc that stands opposite may be an error of noise, so that what it leaves out is no evidence of a wall.
   warn_of(found.discs_thin, found.discs_thin_agreed, "walls thinner than 2.3 point spacings, whose two faces mix");
+  if (const auto doubt = doubt_of_mixed(found.mixed_share)) progress.warn(*doubt);
   if (check) {
     progress.begin("cross-check of charts");
     report.check = check(found.charts);

@@ -162,6 +162,16 @@ void require_surface_near_points(const Projection& projection, const scene::Latt
       "another orientation" + filter + ", a larger grid.spacing_mm or fewer outliers; --force builds it all the same");
 }
 
+std::optional<std::string> doubt_of_mixed(double share) {
+  if (!(share > 0.0)) return {};
+  return fmt::format(
+      "around: {:.2g} % of the surface or more are two layers that are taken for one: the faces of walls thinner than "
+      "2.3 point spacings, or scans that do not quite fit each other; how thick such a wall is is undecided, and what "
+      "closes it is made up; points nearer to each other than a third of its thickness tell, and `sparsha register` "
+      "fits scans",
+      100.0 * share);
+}
+
 std::optional<std::string> doubt_of_sides(const SidesCheck& sides) {
   constexpr double kSome = 0.001;  // at sharp edges up to so many nodes face away
   const std::uint64_t nodes = sides.told + sides.untold;

@@ -34,6 +34,8 @@ struct SurfaceDoubts {
                                                         std::uint64_t measured,
                                                         const std::optional<CheckResult>& check);
 
+/// Of a whole object. `share` as in AroundReport::mixed_share; nothing for 0.
+[[nodiscard]] std::optional<std::string> doubt_of_mixed(double share);
 /// Nothing where hardly any node faces inwards, as at sharp edges.
 [[nodiscard]] std::optional<std::string> doubt_of_sides(const SidesCheck& sides);
 

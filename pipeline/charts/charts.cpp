@@ -36,6 +36,7 @@ ChartResult make_charts(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
   result.discs_undecided = discs.undecided;
   result.discs_thin = discs.thin;
   result.discs_thin_agreed = discs.thin_agreed;
+  result.mixed_share = discs.mixed.share();
   result.discs_outside = discs.outside;
   result.charts.origin_m = discs.origin_m;
   result.charts.spacing_m = node_spacing_m(config, discs, resolution_m);

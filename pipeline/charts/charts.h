@@ -28,9 +28,10 @@ struct ChartResult {
   std::uint64_t discs_undecided = 0;  ///< of them, those of which nothing tells the outer side; they are left out
   std::uint64_t discs_thin = 0;  ///< of them, those of walls thinner than SidedDiscs::kThinSpacings; they are left out
   std::uint64_t discs_thin_agreed = 0;  ///< of these, those with at least three discs opposite; fewer may be noise
-  std::uint64_t discs_outside = 0;      ///< of them, those outside the object's box, which supported points span
-  std::uint64_t layers = 0;             ///< nodes of all sheets and of those that were left out
-  std::uint64_t small_sheets = 0;       ///< left out
+  double mixed_share = 0.0;  ///< of the surface, 0 to 1: two faces of thin walls that are taken for one (MixedFaces)
+  std::uint64_t discs_outside = 0;  ///< of them, those outside the object's box, which supported points span
+  std::uint64_t layers = 0;         ///< nodes of all sheets and of those that were left out
+  std::uint64_t small_sheets = 0;   ///< left out
   std::uint64_t small_sheet_nodes = 0;
 };
 

@@ -237,6 +237,7 @@ SidedDiscs find_sided_discs(const Cloud& cloud, const Eigen::Matrix4d& scan_to_g
                           station_views({cloud.stations, scan_to_turned, turned_origin_m}, SideEvidence::whole),
                           SideEvidence::whole, pool);
   sides.set_facing(found, pool);
+  result.mixed = find_mixed_faces(found, points, result.point_spacing_m, pool);
   context.progress.throw_if_cancelled();
   keep_sided(found, turn.transpose(), pool, result);
   if (static_cast<double>(result.undecided + result.thin) > kMostUndecided * static_cast<double>(result.found) &&

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "base/threads/context.h"
+#include "pipeline/charts/mixed_faces.h"
 #include "pipeline/projection/buffer.h"
 #include "pipeline/projection/extent.h"
 #include "pipeline/projection/tangent_discs.h"
@@ -33,6 +34,7 @@ struct SidedDiscs {
   std::uint64_t undecided = 0;    ///< of them, those of which nothing tells the side
   std::uint64_t thin = 0;         ///< of them, those of walls that are too thin
   std::uint64_t thin_agreed = 0;  ///< of these, those that at least three discs are opposite of
+  MixedFaces mixed;               ///< walls whose faces are taken for one surface; nothing is left out there
   std::uint64_t outside = 0;      ///< of them, those outside the box of supported points
   Eigen::Vector3d min_m, max_m;   ///< that box
   std::size_t count = 0;

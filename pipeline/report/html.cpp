@@ -298,6 +298,9 @@ std::string whole_object(const AroundReport& around) {
   row("nodes", fmt::format("{}, {} apart", count(around.nodes), length(around.spacing_m)));
   row("points whose outer side nothing tells", count(around.undecided));
   row("points of walls whose two faces mix", count(around.thin));
+  if (around.mixed_share > 0.0)
+    row("walls whose two faces are taken for one",
+        fmt::format("{:.2g}\u202F% of the surface", 100.0 * around.mixed_share));
   if (around.check) {
     const ChartCheck& check = *around.check;
     row("points that were compared", fmt::format("{} of {}", count(check.sampled), count(check.points)));

@@ -74,7 +74,7 @@ Json around(const AroundReport& r) {
       {"point_spacing_m", number(r.point_spacing_m)},
       {"noise_m", number(r.noise_m)},
       {"discs",
-       {{"found", r.discs}, {"undecided", r.undecided}, {"thin", r.thin}}},
+       {{"found", r.discs}, {"undecided", r.undecided}, {"thin", r.thin}, {"mixed_share", number(r.mixed_share)}}},
       {"small_sheet_nodes", r.small_nodes},
       {"check", nullptr}};
   if (r.check) {

@@ -36,6 +36,7 @@ struct AroundReport {
   std::uint64_t discs = 0;        ///< points with a tangent plane
   std::uint64_t undecided = 0;    ///< of them, those whose outer side nothing tells; left out
   std::uint64_t thin = 0;         ///< of them, those of walls whose two faces mix; left out
+  double mixed_share = 0.0;       ///< of the surface, 0 to 1: two faces of thin walls that are taken for one
   std::uint64_t small_nodes = 0;  ///< nodes of sheets of fewer than nine; left out
   std::optional<ChartCheck> check;
 };
