@@ -204,8 +204,8 @@ Derivatives derivatives_of(const Vector<kQuadratic>& c, double scale) {
 }
 
 /// A priori the higher terms are those of a smooth random surface: variances as if derivatives were those of a Gaussian
-/// process some three scales long, that of x^3 being 1. The strengths are standard deviations of x^3 in noises, from one that
-/// leaves a quadratic to one that leaves the terms free.
+/// process some three scales long, that of x^3 being 1. The strengths are standard deviations of x^3 in noises, from
+/// one that leaves a quadratic to one that leaves the terms free.
 constexpr Vector<kHigher> kPrior{1, 1.8, 1.8, 1, 0.04 * 0.4375, 0.04, 0.04 * 1.35, 0.04, 0.04 * 0.4375};
 constexpr std::array<double, 6> kStrengths{0.02, 0.06, 0.2, 0.6, 2, 10};
 
