@@ -81,11 +81,11 @@ void require_same_lines(const std::vector<Told>& told, const Differs& differs) {
   }
 }
 
-std::string size_and_ends(const std::filesystem::path& file) try {
+std::string size_and_places(const std::filesystem::path& file) try {
   std::error_code code;
   // Opening a named pipe would wait for somebody who writes to it.
   if (!std::filesystem::is_regular_file(file, code)) return {};
-  return fmt::format("{} bytes, ends {}", std::filesystem::file_size(file), digest_of_ends(file));
+  return fmt::format("{} bytes, {}", std::filesystem::file_size(file), digest_of_places(file));
 } catch (const std::exception&) {
   return {};
 }
@@ -126,7 +126,7 @@ void require_same_configuration(const scene::Config& config, const BuildOptions&
                        "the same configuration and options on every rank");
   });
   text.clear();
-  for (const scene::ScanConfig& scan : config.scans) text += size_and_ends(scan.file) + "\n";
+  for (const scene::ScanConfig& scan : config.scans) text += size_and_places(scan.file) + "\n";
   const std::vector<Told> files = gather_text(ranks, text);
   for (std::size_t r = 1; r < files.size(); ++r) {
     for (std::size_t s = 0; s < config.scans.size(); ++s) {

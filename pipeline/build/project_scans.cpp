@@ -109,7 +109,7 @@ class Builder {
     ScanSet scans(config_.scans,
                   limit_.none() && !shared() && !resumes() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true,
                   progress_, fields_of(filters_), mesh_refusal(limit_, filters_, fields_of(filters_).size(), false),
-                  part_of(filters_, options_.force));
+                  part_of(filters_, options_.force), readers());
     require_fields(config_.scans, scans, filters_, progress_);
     if (!options_.grid_only) warn_of_unused_worth(config_.scans, scans, filters_, progress_);
     scans.require_surface();
@@ -167,6 +167,14 @@ class Builder {
   }
   /// Whether several processes build the scene, and whether this one goes on with what they have projected.
   [[nodiscard]] bool shared() const { return options_.ranks != nullptr; }
+  /// The ranks as those who share the reading of the scans.
+  [[nodiscard]] ReadingRanks readers() const {
+    if (!shared()) return {};
+    const Ranks& ranks = *options_.ranks;
+    return {
+        ranks.number(), ranks.size(), [&ranks](Ranks::Bytes& bytes) { ranks.join(bytes); },
+        [&ranks](Ranks::Bytes mine, const ReadingRanks::Merge& merge) { return ranks.merged(std::move(mine), merge); }};
+  }
   [[nodiscard]] bool is_root() const { return !shared() || options_.ranks->is_root(); }
   [[nodiscard]] bool resumes() const { return !options_.finished_tiles.empty(); }
   /// What is not projected through files on disk has no tiles to go on from.
@@ -415,8 +423,10 @@ class Builder {
     result_.disk_arrays = std::make_shared<system::DiskArrays>(scratch_folder(), limit_.bytes);
   }
 
-  /// Whole objects have pictures of their own, and the root draws those of all ranks.
-  [[nodiscard]] bool shows_sides() const { return !options_.grid_only && !around() && !unrolls() && is_root(); }
+  /// Whole objects have pictures of their own.
+  [[nodiscard]] bool has_sides() const { return !options_.grid_only && !around() && !unrolls(); }
+  /// The root draws them, from what all ranks have sampled.
+  [[nodiscard]] bool shows_sides() const { return has_sides() && is_root(); }
 
   [[nodiscard]] bool thins() const {
     return std::any_of(filters_.begin(), filters_.end(), [](const scene::FilterConfig& filter) {
@@ -528,9 +538,9 @@ class Builder {
     require_room_on_disk(limit_);
     progress_.begin("points to disk");
     StreamedFilters streamed(scans, filters_, {pool_, progress_});
-    if (!oriented_ || finds_pillars() || shows_sides()) streamed.sample_kept();
+    if (!oriented_ || finds_pillars() || has_sides()) streamed.sample_kept();
     CloudOnDisk cloud = write_to_disk(scans, std::move(streamed), config_.grid.colour, config_.grid.intensity,
-                                      scratch_folder(), options_.ranks, progress_);
+                                      scratch_folder(), progress_);
     if (cloud.all == 0) throw no_points(config_);
     if (limit_.bytes > 0) system::trim_heap();
     result_.points = {};

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <initializer_list>
+#include <utility>
 
 #include "base/error.h"
 #include "base/system/library.h"
@@ -139,10 +140,31 @@ std::vector<Ranks::Bytes> Ranks::all_to_all(const std::vector<Bytes>& to) const 
   return got;
 }
 
+Ranks::Bytes Ranks::merged(Bytes mine, const std::function<Bytes(const Bytes&, const Bytes&)>& merge) const {
+  const std::size_t rank = number();
+  // Up a tree: each takes what the one `step` behind it has gathered. Then down again.
+  std::size_t step = 1;
+  for (; step < size(); step *= 2) {
+    std::vector<Bytes> to(size());
+    if (rank % (2 * step) == step) to[rank - step] = std::exchange(mine, {});
+    std::vector<Bytes> got = all_to_all(to);
+    if (rank % (2 * step) == 0 && rank + step < size()) mine = merge(mine, got[rank + step]);
+  }
+  for (step /= 2; step > 0; step /= 2) {
+    std::vector<Bytes> to(size());
+    if (rank % (2 * step) == 0 && rank + step < size()) to[rank + step] = mine;
+    std::vector<Bytes> got = all_to_all(to);
+    if (rank % (2 * step) == step) mine = std::move(got[rank - step]);
+  }
+  return mine;
+}
+
 void Ranks::join(Bytes& bytes) const {
-  const std::vector<Bytes> got = all_to_all(std::vector<Bytes>(size(), bytes));
-  bytes.clear();
-  for (const Bytes& part : got) bytes.insert(bytes.end(), part.begin(), part.end());
+  bytes = merged(std::move(bytes), [](const Bytes& first, const Bytes& second) {
+    Bytes both = first;
+    both.insert(both.end(), second.begin(), second.end());
+    return both;
+  });
 }
 
 std::vector<Ranks::Bytes> Ranks::gather(Bytes bytes) const {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "base/threads/progress.h"
@@ -47,6 +48,10 @@ class Ranks {
   [[nodiscard]] std::vector<Bytes> all_to_all(const std::vector<Bytes>& to) const;
   /// What all ranks have, in their order, to all of them. Throws Cancelled.
   void join(Bytes& bytes) const;
+  /// What `merge` makes of what all ranks have, two neighbours at a time, to all of them: each keeps no more than two
+  /// of them in memory, whatever their number. Throws Cancelled.
+  [[nodiscard]] Bytes merged(Bytes mine,
+                             const std::function<Bytes(const Bytes& first, const Bytes& second)>& merge) const;
   /// What all ranks have, in their order, to the root; nothing to the others. Throws Cancelled.
   [[nodiscard]] std::vector<Bytes> gather(Bytes bytes) const;
 

@@ -2,17 +2,46 @@
 #include "pipeline/filter/streamed.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "base/files/message.h"
 #include "pipeline/filter/plane.h"
 #include "pipeline/filter/plane_doubt.h"
 #include "pipeline/scan/value_test.h"
 #include "scene/config/config.h"
 
 namespace sparsha::pipeline {
+
+namespace {
+
+/// Of what several processes have drawn, each from its share, the sample of all points; gives how many those are. What
+/// stands for a cube in any of the samples stands for it among all points, or something does that is there as well.
+std::uint64_t join_samples(const ReadingRanks& ranks, double distance_m, PlaneSample& sample, std::uint64_t points) {
+  MessageWriter mine;
+  mine.put(points);
+  const std::vector<Eigen::Vector3f> drawn = sample.take();
+  mine.put(std::uint64_t{drawn.size()});
+  for (const Eigen::Vector3f& p : drawn) mine.put(std::array{p.x(), p.y(), p.z()});
+  ReadingRanks::Bytes bytes = mine.take();
+  ranks.join(bytes);
+  PlaneSample all(distance_m);
+  std::uint64_t count = 0;
+  for (MessageReader message(bytes); !message.at_end();) {
+    count += message.get<std::uint64_t>();
+    for (auto left = message.get<std::uint64_t>(); left > 0; --left) {
+      const auto p = message.get<std::array<float, 3>>();
+      all.add({p[0], p[1], p[2]});
+    }
+  }
+  sample = std::move(all);
+  return count;
+}
+
+}  // namespace
 
 bool can_be_streamed(const scene::FilterConfig& filter) {
   return std::holds_alternative<scene::CropConfig>(filter) || std::holds_alternative<scene::PassConfig>(filter) ||
@@ -64,6 +93,7 @@ void StreamedFilters::add_plane(const ScanSet& scans, const scene::RemovePlaneCo
         }
       },
       context.progress);
+  if (scans.is_shared()) passed = join_samples(scans.ranks(), config.distance_m, sample, passed);
   if (passed == 0 && !tests_.empty()) {
     at_key_of(filters_[tests_.size() - 1], [&] { throw nothing_left(steps_.steps[tests_.size() - 1].name); });
   }
@@ -106,6 +136,52 @@ bool StreamedFilters::keep(const CloudBlock& block, std::size_t point) {
   }
   if (samples_) steps_.kept.add(origin_m_ + p.cast<double>());
   return true;
+}
+
+void StreamedFilters::join(const ReadingRanks& ranks) {
+  const auto write = [](const StreamedFilters& of) {
+    MessageWriter message;
+    message.put(of.points_);
+    for (const std::uint64_t unknown : of.unknown_) message.put(unknown);
+    for (std::size_t k = 0; k < of.tests_.size(); ++k) {
+      const FilterStep& step = of.steps_.steps[k];
+      message.put(std::array{step.removed, step.in_plane});
+      step.sample.write(message);
+    }
+    of.steps_.kept.write(message);
+    return message.take();
+  };
+  StreamedFilters all = *this;
+  all.points_ = 0;
+  all.unknown_.assign(unknown_.size(), 0);
+  all.steps_.kept = PointSample(FilterSteps::kSample);
+  for (FilterStep& step : all.steps_.steps) {
+    step.removed = step.in_plane = 0;
+    step.sample = PointSample(FilterStep::kSample);
+  }
+  const auto add = [](StreamedFilters& to, MessageReader& message) {
+    to.points_ += message.get<std::uint64_t>();
+    for (std::uint64_t& unknown : to.unknown_) unknown += message.get<std::uint64_t>();
+    for (std::size_t k = 0; k < to.tests_.size(); ++k) {
+      FilterStep& step = to.steps_.steps[k];
+      const auto counts = message.get<std::array<std::uint64_t, 2>>();
+      step.removed += counts[0];
+      step.in_plane += counts[1];
+      step.sample.add(message);
+    }
+    to.steps_.kept.add(message);
+  };
+  const ReadingRanks::Bytes sum = ranks.merged(write(*this), [&](const auto& first, const auto& second) {
+    StreamedFilters two = all;
+    for (const ReadingRanks::Bytes* const part : {&first, &second}) {
+      MessageReader message(*part);
+      add(two, message);
+    }
+    return write(two);
+  });
+  MessageReader message(sum);
+  add(all, message);
+  *this = std::move(all);
 }
 
 FilterSteps StreamedFilters::finish(Progress& progress) {

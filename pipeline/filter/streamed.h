@@ -30,6 +30,9 @@ class StreamedFilters {
   void sample_kept() { samples_ = true; }
   /// Counts.
   [[nodiscard]] bool keep(const CloudBlock& block, std::size_t point);
+  /// After the last point of a set of scans that several processes read: adds what the others have counted and drawn.
+  /// Called by all of them.
+  void join(const ReadingRanks& ranks);
   /// To be called when all points have come. Warns; throws Error{input} when none was kept.
   [[nodiscard]] FilterSteps finish(Progress& progress);
 

@@ -6,38 +6,34 @@
 #include <bit>
 
 #include "base/error.h"
+#include "base/files/message.h"
 #include "pipeline/projection/attributes.h"
 
 namespace sparsha::pipeline {
 
 namespace {
 
-// The first record of a rank's share of the file order; that of the rank after the last is `records`.
-std::uint64_t share_begins(std::uint64_t records, std::size_t rank, std::size_t size) {
-  const std::uint64_t share = records / size;
-  return share * rank + std::min<std::uint64_t>(records % size, rank);
-}
+/// What a process finds in its share of the scans.
+struct Counted {
+  std::uint64_t points = 0, beyond = 0;
+  float largest_intensity = 0.0F;
+};
 
 }  // namespace
 
 CloudOnDisk write_to_disk(const ScanSet& scans, StreamedFilters filters, bool colour, bool intensity,
-                          const std::filesystem::path& folder, const Ranks* ranks, Progress& progress) {
+                          const std::filesystem::path& folder, Progress& progress) {
   const PointLayout layout{colour && scans.has_colour(), intensity && scans.has_intensity()};
   CloudOnDisk cloud;
   cloud.origin_m = scans.origin_m();
   cloud.file = std::make_unique<PointFile>(folder, layout, 1);
   cloud.invalid = scans.invalid();
   cloud.stations = scans.stations();
-  const std::uint64_t first = ranks != nullptr ? share_begins(scans.points(), ranks->number(), ranks->size()) : 0;
-  const std::uint64_t last =
-      ranks != nullptr ? share_begins(scans.points(), ranks->number() + 1, ranks->size()) : scans.points();
-  std::uint64_t record_number = 0;
-  cloud.invalid += scans.stream(
+  std::uint64_t beyond = scans.stream(
       [&](const CloudBlock& block) {
         std::array<float, 5> record{};
         for (std::size_t k = 0; k < block.points.size(); ++k) {
           const Eigen::Vector3f& p = block.points[k];
-          const std::uint64_t number = record_number++;
           if (!filters.keep(block, k)) continue;
           ++cloud.all;
           std::copy_n(p.data(), 3, record.begin());
@@ -46,11 +42,26 @@ CloudOnDisk write_to_disk(const ScanSet& scans, StreamedFilters filters, bool co
             record[layout.words() - 1] = block.intensity[k];
             cloud.largest_intensity = std::max(cloud.largest_intensity, largest_magnitude(&block.intensity[k], 1));
           }
-          if (number >= first && number < last) cloud.file->add(0, record.data());
+          cloud.file->add(0, record.data());
         }
       },
       progress);
   cloud.file->finish();
+  if (scans.is_shared()) {
+    filters.join(scans.ranks());
+    MessageWriter mine;
+    mine.put(Counted{cloud.all, beyond, cloud.largest_intensity});
+    ReadingRanks::Bytes bytes = mine.take();
+    scans.ranks().join(bytes);
+    cloud.all = beyond = 0;
+    for (MessageReader message(bytes); !message.at_end();) {
+      const auto theirs = message.get<Counted>();
+      cloud.all += theirs.points;
+      beyond += theirs.beyond;
+      cloud.largest_intensity = std::max(cloud.largest_intensity, theirs.largest_intensity);
+    }
+  }
+  cloud.invalid += beyond;
   cloud.filters = filters.finish(progress);
   return cloud;
 }

@@ -10,7 +10,6 @@
 
 #include "base/threads/progress.h"
 #include "base/threads/thread_pool.h"
-#include "pipeline/cluster/ranks.h"
 #include "pipeline/filter/streamed.h"
 #include "pipeline/outofcore/point_file.h"
 #include "pipeline/projection/points.h"
@@ -32,9 +31,9 @@ struct CloudOnDisk {
 
 /// Streams the scans once more, rounds every point as a Cloud holds it, and keeps those that the filters keep.
 /// Attributes that are asked for are kept too. Throws Error{input} when nothing is left, Error{failure} when the disk
-/// is full. `ranks`: each keeps its share of the records in their order, and knows the same of all of them; null alone.
+/// is full. Of scans that several ranks read each keeps the points of its share, and knows the same of all of them.
 [[nodiscard]] CloudOnDisk write_to_disk(const ScanSet& scans, StreamedFilters filters, bool colour, bool intensity,
-                                        const std::filesystem::path& folder, const Ranks* ranks, Progress& progress);
+                                        const std::filesystem::path& folder, Progress& progress);
 
 /// The raw points of some records; valid as long as the records are.
 [[nodiscard]] inline RawPoints raw_points(const PointRecords& records) {

@@ -106,6 +106,34 @@ void FieldTally::add(std::span<const float> values) {
   }
 }
 
+void FieldTally::write(MessageWriter& message) const {
+  message.put(name_);
+  message.put(std::array{values_, missing_});
+  message.put(std::array{least_, most_});
+  message.put(whole_);
+  message.put(static_cast<std::uint64_t>(std::ranges::count_if(counts_, [](std::uint64_t n) { return n > 0; })));
+  for (std::size_t k = 0; k < counts_.size(); ++k) {
+    if (counts_[k] > 0) message.put(std::array<std::uint64_t, 2>{k, counts_[k]});
+  }
+}
+
+void FieldTally::add(MessageReader& message) {
+  name_ = message.text();
+  const auto counts = message.get<std::array<std::uint64_t, 2>>();
+  values_ += counts[0];
+  missing_ += counts[1];
+  const auto borders = message.get<std::array<float, 2>>();
+  least_ = std::min(least_, borders[0]);
+  most_ = std::max(most_, borders[1]);
+  whole_ = message.get<bool>() && whole_;
+  if (counts_.empty()) counts_.resize(kBuckets);
+  const auto buckets = message.get<std::uint64_t>();
+  for (std::uint64_t n = 0; n < buckets; ++n) {
+    const auto bucket = message.get<std::array<std::uint64_t, 2>>();
+    counts_[static_cast<std::size_t>(bucket[0])] += bucket[1];
+  }
+}
+
 std::uint64_t FieldTally::count(int number) const {
   return counts_.empty() ? 0 : counts_[bucket_of(static_cast<float>(number))];
 }

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/files/message.h"
+
 namespace sparsha::pipeline {
 
 inline constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
@@ -28,6 +30,9 @@ class FieldTally {
   explicit FieldTally(std::string name) : name_(std::move(name)) {}
 
   void add(std::span<const float> values);
+  /// For another process, whose tally of other points of the field adds what it is told, and takes its name.
+  void write(MessageWriter& message) const;
+  void add(MessageReader& message);
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] std::uint64_t values() const { return values_; }    ///< points with one

@@ -71,7 +71,7 @@ constexpr Kind kKinds[] = {
     text("version https://git-lfs", "a Git LFS pointer, which stands for the scan", "fetch the scan: 'git lfs pull'"),
     tested(
         [](const ScanFile& f) {
-          const std::string_view line = f.bytes.substr(0, f.bytes.find('\n'));
+          const std::string_view line = f.bytes.substr(0, f.bytes.substr(0, 4096).find('\n'));
           return (line.starts_with('.') || line.starts_with('/')) && contains(line, "annex/objects/");
         },
         "a git-annex pointer, which stands for the scan", "fetch the scan: 'git annex get FILE'"),

@@ -33,6 +33,26 @@ std::vector<PointSample::Entry> PointSample::smallest() const {
   return entries;
 }
 
+void PointSample::write(MessageWriter& message) const {
+  const std::vector<Entry> entries = smallest();
+  message.put(std::uint64_t{entries.size()});
+  for (const Entry& entry : entries) {
+    message.put(entry.hash);
+    for (const double coordinate : entry.point) message.put(coordinate);
+    for (const float coordinate : entry.normal) message.put(coordinate);
+  }
+}
+
+void PointSample::add(MessageReader& message) {
+  const auto entries = message.get<std::uint64_t>();
+  for (std::uint64_t k = 0; k < entries; ++k) {
+    Entry entry{message.get<std::uint64_t>(), Eigen::Vector3d::Zero(), Eigen::Vector3f::Zero()};
+    for (double& coordinate : entry.point) coordinate = message.get<double>();
+    for (float& coordinate : entry.normal) coordinate = message.get<float>();
+    if (entry.hash < threshold_) keep(entry);
+  }
+}
+
 std::vector<Eigen::Vector3d> PointSample::points() const {
   std::vector<Eigen::Vector3d> points;
   for (const Entry& entry : smallest()) points.push_back(entry.point);

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "base/files/message.h"
 #include "base/numbers/hash.h"
 
 namespace sparsha::pipeline {
@@ -31,6 +32,9 @@ class PointSample {
       if (entry.hash < threshold_) keep({entry.hash, place(entry.point), entry.normal});
     }
   }
+  /// For another process, whose sample of other points merges what it is told.
+  void write(MessageWriter& message) const;
+  void add(MessageReader& message);
   [[nodiscard]] bool empty() const { return kept_.empty(); }
   [[nodiscard]] std::vector<Eigen::Vector3d> points() const;
   /// As they were given, in the order of points().

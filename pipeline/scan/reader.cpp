@@ -39,23 +39,28 @@ void refuse_missing_header(const ScanFile& file) {
   }
 }
 
+void read_by(const Format& format, const ScanFile& file, ScanWriter& out) {
+  if (format.points_only || (format.quick_to_stream != nullptr && format.quick_to_stream(file))) out.expect_no_faces();
+  format.read(file, out);
+}
+
 void read_binary_by_ending(const ScanFile& file, ScanWriter& out) {
   for (const Format& format : formats()) {
     if (format.told != Format::Told::by_writing && format.by_ending && has_ending(format, file))
-      return format.read(file, out);
+      return read_by(format, file, out);
   }
   throw file.error("binary data of no known format", kKnownFormats);
 }
 
 void read_any(const ScanFile& file, ScanWriter& out) {
   if (file.bytes.empty()) throw file.empty("the file is empty", "a scan");
-  if (const Format* format = find_format(file, Format::Told::by_signature)) return format->read(file, out);
+  if (const Format* format = find_format(file, Format::Told::by_signature)) return read_by(*format, file, out);
   refuse_foreign(file);
-  if (const Format* format = find_format(file, Format::Told::by_mark)) return format->read(file, out);
+  if (const Format* format = find_format(file, Format::Told::by_mark)) return read_by(*format, file, out);
   refuse_missing_header(file);
   if (looks_binary(file.bytes)) return read_binary_by_ending(file, out);
-  if (const Format* format = find_format(file, Format::Told::by_writing)) return format->read(file, out);
-  formats().back().read(file, out);  // rows of numbers, whatever the file is called
+  if (const Format* format = find_format(file, Format::Told::by_writing)) return read_by(*format, file, out);
+  read_by(formats().back(), file, out);  // rows of numbers, whatever the file is called
 }
 
 RawScan read_into(const std::string& name, std::string_view bytes, const MappedFile* map, const PointSink& sink,

@@ -64,6 +64,9 @@ struct ReadOptions {
   /// A format that keeps coarse points apart from those that refine them (COPC) leaves levels unread that it does not
   /// need for so many points; 0: all points.
   std::uint64_t enough = 0;
+  /// A format whose records have one length (is_quick_to_stream()) reads those from one share of all of them to
+  /// another, see record_at(); others read all of them.
+  double from = 0.0, to = 1.0;
   /// Damaged chunks of LAZ are left out and said, in place of an error.
   bool whole_chunks_only = false;
 };
@@ -92,6 +95,7 @@ struct RawScan {
   std::vector<RawStation> stations;                ///< in memory only, ascending; streams name them block by block
   std::optional<TextTable> table;                  ///< of text tables of points
   std::optional<Eigen::Vector2d> cell;  ///< of grids of heights over x and y: their columns' and rows' distance
+  bool needs_whole = false;             ///< of a part of the records: what is to be said of it depends on the others
   std::vector<std::string> warnings;
   std::string pieces;  ///< a warning too, of a scan in several pieces: only for those who take none away
 };

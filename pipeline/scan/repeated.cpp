@@ -4,8 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <fstream>
 #include <map>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 #include "base/files/files.h"
@@ -55,6 +59,27 @@ std::vector<std::vector<std::size_t>> groups_of(const std::vector<std::size_t>& 
 }  // namespace
 
 std::string digest_of_ends(const fs::path& file) { return digest_of(file, false); }
+
+std::string digest_of_places(const fs::path& file) {
+  constexpr std::uint64_t kPiece = 65536, kPieces = 64;
+  const std::uint64_t size = fs::file_size(file);
+  const bool whole = size <= kPiece * kPieces;
+  // Each piece by one call, which makes the system read nothing ahead; of a mapping it would read megabytes around it.
+  std::ifstream stream(file, std::ios::binary);
+  std::vector<char> bytes(static_cast<std::size_t>(kPiece));
+  Sha256 digest;
+  for (std::uint64_t k = 0; k < kPieces; ++k) {
+    const std::uint64_t begin = whole             ? std::min(size, k * kPiece)
+                                : k + 1 < kPieces ? (size - kPiece) / (kPieces - 1) * k
+                                                  : size - kPiece;
+    const auto count = static_cast<std::streamsize>(std::min(kPiece, size - begin));
+    stream.seekg(static_cast<std::streamoff>(begin));
+    if (!stream.read(bytes.data(), count))
+      throw input_error(file.string(), "the file cannot be read", "a readable file");
+    digest.add(std::as_bytes(std::span(bytes.data(), static_cast<std::size_t>(count))));
+  }
+  return digest.finish();
+}
 
 std::vector<scene::ScanConfig> without_repeats(const std::vector<scene::ScanConfig>& scans, Progress& progress) {
   std::vector<std::size_t> all;

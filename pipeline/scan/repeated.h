@@ -19,4 +19,7 @@ namespace sparsha::pipeline {
 /// SHA-256 of the first and the last 64 KiB of a file. Throws Error{input} when it cannot be read.
 [[nodiscard]] std::string digest_of_ends(const std::filesystem::path& file);
 
+/// Of all bytes of a file up to 4 MiB, else of 64 pieces of 64 KiB from its beginning to its end. Throws as above.
+[[nodiscard]] std::string digest_of_places(const std::filesystem::path& file);
+
 }  // namespace sparsha::pipeline

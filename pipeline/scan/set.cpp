@@ -6,15 +6,17 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "base/files/files.h"
+#include "base/files/message.h"
 #include "base/threads/background.h"
-#include "pipeline/scan/doubts.h"
-#include "pipeline/scan/empty_returns.h"
 #include "pipeline/scan/empty_scan.h"
+#include "pipeline/scan/field_buffer.h"
+#include "pipeline/scan/looked_scan.h"
 #include "pipeline/scan/named_file.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/pieces.h"
@@ -24,13 +26,11 @@
 #include "pipeline/scan/straight.h"
 #include "pipeline/scan/units.h"
 #include "pipeline/scan/up_axes.h"
-#include "pipeline/scan/viewpoint.h"
 #include "scene/scene.h"
 
 namespace sparsha::pipeline {
 namespace {
 
-constexpr std::size_t kMostStations = 256;  // of a file
 constexpr std::uint32_t kGone = std::numeric_limits<std::uint32_t>::max();
 
 /// The one place where a point is rounded: near(i, q) of points that fit a float, far(i) of the others.
@@ -60,29 +60,6 @@ bool tells_more(const std::string& key) {
   return key == kIntensityField || !is_known_otherwise(key);
 }
 
-/// The fields of some points of a block.
-class FieldBuffer {
- public:
-  void begin(std::span<const std::span<const float>> fields) {
-    values_.resize(fields.size());
-    for (std::vector<float>& values : values_) values.clear();
-  }
-  void add(std::span<const std::span<const float>> fields, std::size_t point) {
-    for (std::size_t k = 0; k < fields.size(); ++k) {
-      if (!fields[k].empty()) values_[k].push_back(fields[k][point]);
-    }
-  }
-  /// Good until the next begin().
-  [[nodiscard]] std::span<const std::span<const float>> spans() {
-    spans_.assign(values_.begin(), values_.end());
-    return spans_;
-  }
-
- private:
-  std::vector<std::vector<float>> values_;
-  std::vector<std::span<const float>> spans_;
-};
-
 /// Read piece by piece: a mapped file would count as memory of this process.
 std::string digest_of(const std::filesystem::path& file, const std::atomic<bool>& abandoned) {
   // Opening a named pipe would wait for somebody who writes to it.
@@ -101,257 +78,20 @@ std::string digest_of(const std::filesystem::path& file, const std::atomic<bool>
 
 }  // namespace
 
-/// One scan: everything but its points, which are kept in double or streamed from the file again.
-struct ScanSet::Scan {
-  std::filesystem::path file;
-  ReadOptions options;
-  RawScan raw;
-  bool streamed = false;
-  std::uint64_t delivered = 0;  ///< finite points of the file
-  std::uint64_t valid = 0;      ///< of these, without empty returns
-  bool colour = false;
-  bool intensity = false;
-  bool normals = false;
-  std::vector<bool> has_field;  ///< of ReadOptions::fields
-  /// Points that were looked at, file units.
-  struct Looked {
-    std::uint64_t count = 0;
-    PointSample sample;
-    Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-    Eigen::Vector3d high = -low;
-
-    void add(const Eigen::Vector3d& p, bool bounds) {
-      ++count;
-      sample.add(p);
-      if (!bounds) return;
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-    void add(const Looked& other) {
-      count += other.count;
-      sample.merge(other.sample, [](const Eigen::Vector3d& p) { return p; });
-      low = low.cwiseMin(other.low);
-      high = high.cwiseMax(other.high);
-    }
-  };
-  Looked looked;      ///< all but
-  Looked at_scanner;  ///< what may be empty returns, until their number is known
-  Placement placement;
-  struct Seen {
-    Eigen::Vector3d place;
-    PointSample sample;
-    PointSample at_scanner;  ///< as above
-  };
-  std::vector<Seen> from;   ///< each station, file units
-  PointSample with_normal;  ///< points whose normals the file states, file units
-  PointSample normal_at_scanner;
-
-  /// A pose answers whether the points are in the sensor's own frame: they are where it is the viewpoint's.
-  void take_pose_for_viewpoint(const scene::ScanConfig& config) {
-    if (!raw.viewpoint) return;
-    const bool sized = config.units.unit == scene::LengthUnit::longest_side;
-    if (!sized && is_viewpoint(*raw.viewpoint, config.pose, scene::metres_in(config.units.unit))) {
-      for (Seen& seen : from) seen.place.setZero();
-    }
-    raw.viewpoint.reset();
-  }
-
-  void look_from(const PointBlock& block) {
-    if (!block.station) return;
-    if (from.empty() || from.back().place != *block.station) {
-      if (from.size() == kMostStations) return;
-      from.push_back({*block.station, PointSample(), PointSample()});
-    }
-    for (const Eigen::Vector3d& p : block.points) {
-      (is_at_scanner(p, block.station) ? from.back().at_scanner : from.back().sample).add(p);
-    }
-  }
-  void look_at_normals(const PointBlock& block) {
-    for (std::size_t i = 0; i < block.normals.size(); ++i) {
-      const Eigen::Vector3f& normal = block.normals[i];
-      if (!normal.allFinite() || !(normal.squaredNorm() > 0.0F)) continue;
-      const bool apart = is_at_scanner(block.points[i], block.station);
-      (apart ? normal_at_scanner : with_normal).add(block.points[i], normal);
-    }
-  }
-  void look(const PointBlock& block, bool bounds) {
-    look_from(block);
-    look_at_normals(block);
-    colour = colour || !block.rgba.empty();
-    intensity = intensity || !block.intensity.empty();
-    normals = normals || !block.normals.empty();
-    has_field.resize(options.fields.size());
-    for (std::size_t k = 0; k < block.fields.size(); ++k) {
-      if (!block.fields[k].empty()) has_field[k] = true;
-    }
-    for (const Eigen::Vector3d& p : block.points) {
-      (is_at_scanner(p, block.station) ? at_scanner : looked).add(p, bounds);
-    }
-  }
-  /// After the last block: whether what stands at the scanner is surface.
-  void decide_empty_returns() {
-    delivered = valid = looked.count + at_scanner.count;
-    const std::uint64_t all = delivered + raw.unread;
-    if (raw.faces.empty() && are_empty_returns(at_scanner.count, all)) {
-      raw.warnings.push_back(empty_returns_warning(at_scanner.count, all));
-      raw.invalid += at_scanner.count;
-      valid -= at_scanner.count;
-      return;
-    }
-    const auto stay = [](const Eigen::Vector3d& p) { return p; };
-    looked.add(at_scanner);
-    for (Seen& seen : from) seen.sample.merge(seen.at_scanner, stay);
-    with_normal.merge(normal_at_scanner, stay);
-  }
-  [[nodiscard]] PointSink without_empty_returns(const PointSink& sink) const {
-    if (valid == delivered) return sink;
-    return [&sink, points = std::vector<Eigen::Vector3d>(), rgba = std::vector<std::uint32_t>(),
-            intensity = std::vector<float>(), normals = std::vector<Eigen::Vector3f>(),
-            fields = FieldBuffer()](const PointBlock& block) mutable {
-      points.clear();
-      rgba.clear();
-      intensity.clear();
-      normals.clear();
-      fields.begin(block.fields);
-      for (std::size_t i = 0; i < block.points.size(); ++i) {
-        if (is_at_scanner(block.points[i], block.station)) continue;
-        points.push_back(block.points[i]);
-        if (!block.rgba.empty()) rgba.push_back(block.rgba[i]);
-        if (!block.intensity.empty()) intensity.push_back(block.intensity[i]);
-        if (!block.normals.empty()) normals.push_back(block.normals[i]);
-        fields.add(block.fields, i);
-      }
-      sink({points, rgba, intensity, {}, normals, fields.spans()});
-    };
-  }
-  /// Throws Error{input} when the file has not the points any more that were looked at.
-  void for_each_block(const PointSink& sink, Progress& progress) const {
-    if (valid == 0) return;
-    std::uint64_t seen = 0;
-    const PointSink use = without_empty_returns(sink);
-    const auto changed = [&] {
-      return input_error(file.string(), "the file changed while it was read", "a file that nobody writes to");
-    };
-    const auto counted = [&](const PointBlock& block) {
-      progress.throw_if_cancelled();
-      seen += block.points.size();
-      if (seen > delivered) throw changed();
-      use(block);
-    };
-    if (streamed) {
-      ReadOptions again = options;
-      again.tally = ReadOptions::Tally::none;
-      (void)stream_scan(file, counted, &progress, again);
-    } else {
-      const std::vector<std::span<const float>> fields(raw.values.begin(), raw.values.end());
-      counted({raw.points, raw.rgba, raw.intensity, {}, raw.normals, fields});
-    }
-    if (seen != delivered) throw changed();
-  }
-  double scale(const scene::ScanConfig& config, Progress& progress) const {
-    const std::string name = config.file.string();
-    const scene::Units& units = config.units;
-    if (!raw.guessed_degrees || units.unit == scene::LengthUnit::automatic) require_lengths(raw, name);
-    if (units.unit == scene::LengthUnit::longest_side) {
-      const double side = (looked.high - looked.low).maxCoeff();
-      if (!(side > 0.0)) throw input_error(name, "all points are the same, so no longest side can be set", "an extent");
-      return units.longest_side_m / side;
-    }
-    const double metres = metres_in_unit(config, raw.unit);
-    if (raw.unit || units.unit != scene::LengthUnit::automatic) return metres;
-    if (const std::optional<UnitGuess> guess = doubt_metres(looked.sample)) {
-      progress.warn(fmt::format("{}: no unit is known, metres are taken; {}{}", name, guess->reason,
-                                guess->unit == scene::LengthUnit::m
-                                    ? "; set 'units' if that is wrong"
-                                    : fmt::format("; set 'units: {}' if that is right", to_string(guess->unit))));
-    }
-    return metres;
-  }
-  /// By the configuration, against or without the format's.
-  [[nodiscard]] bool has_chosen_unit(const scene::ScanConfig& config) const {
-    const scene::LengthUnit unit = config.units.unit;
-    return unit != scene::LengthUnit::automatic && unit != scene::LengthUnit::longest_side && unit != raw.unit;
-  }
-  /// The farthest coordinate, outliers aside, file units.
-  [[nodiscard]] double away() const {
-    const std::vector<Eigen::Vector3d> points = looked.sample.points();
-    double farthest = 0.0;
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const double rank : {0.01, 0.99}) farthest = std::max(farthest, std::abs(quantile(points, axis, rank)));
-    }
-    return farthest;
-  }
-  static std::unique_ptr<Scan> look_at(const scene::ScanConfig& config, const std::vector<std::string>& fields,
-                                       bool streamed, Progress& progress, const MeshRefusal& mesh_refusal = {},
-                                       const ScanPart& part = {}) {
-    auto scan = std::make_unique<Scan>();
-    scan->file = config.file;
-    scan->options.columns = config.columns;
-    scan->options.fields = fields;
-    scan->options.mesh_refusal = mesh_refusal;
-    if (part.box) scan->options.region = region_of(config, *part.box);
-    scan->options.enough = part.enough;
-    scan->options.whole_chunks_only = part.whole_chunks_only;
-    scan->streamed = streamed;
-    const bool bounds = config.units.unit == scene::LengthUnit::longest_side;
-    if (streamed) {
-      scan->raw = stream_scan(
-          config.file,
-          [&](const PointBlock& block) {
-            progress.throw_if_cancelled();
-            scan->look(block, bounds);
-          },
-          &progress, scan->options);
-    } else {
-      scan->raw = read_scan(config.file, &progress, scan->options);
-      drop_what_is_no_surface(scan->raw);
-      const std::vector<std::span<const float>> values(scan->raw.values.begin(), scan->raw.values.end());
-      scan->look({scan->raw.points, scan->raw.rgba, scan->raw.intensity, {}, scan->raw.normals, values}, bounds);
-      const std::vector<RawStation>& stations = scan->raw.stations;
-      for (std::size_t s = 0; s < stations.size(); ++s) {
-        const std::size_t end = s + 1 < stations.size() ? stations[s + 1].first : scan->raw.points.size();
-        const std::span points(scan->raw.points);
-        scan->look_from({points.subspan(stations[s].first, end - stations[s].first), {}, {}, stations[s].place, {}});
-      }
-    }
-    scan->options.mesh_refusal = {};
-    scan->decide_empty_returns();
-    // A stream cannot know where a polygon is hollow, nor which points are corners: a mesh is looked at in memory.
-    if (streamed && !scan->raw.faces.empty()) {
-      scan.reset();
-      scan = look_at(config, fields, false, progress);
-      scan->streamed = true;
-      scan->raw.points = {};
-      scan->raw.rgba = {};
-      scan->raw.intensity = {};
-      scan->raw.normals = {};
-      scan->raw.values = {};
-      return scan;
-    }
-    // What is said of a scan without a point that is wanted is said of all of it.
-    if (scan->valid == 0 && scan->raw.unread > 0) {
-      return look_at(config, fields, streamed, progress, mesh_refusal, {{}, 0, part.whole_chunks_only});
-    }
-    if (!config.pose.isIdentity(0.0)) scan->take_pose_for_viewpoint(config);
-    add_doubts(scan->raw, scan->looked.sample, scan->looked.count, [&](const auto& use) {
-      scan->for_each_block([&](const PointBlock& block) { use(block.points); }, progress);
-    });
-    const std::string name = config.file.string();
-    for (const std::string& warning : scan->raw.warnings) progress.warn(name + ": " + warning);
-    if (scan->valid == 0) {
-      throw EmptyScan(name,
-                      scan->raw.records == 0 ? "the scan has no points"
-                                             : fmt::format("none of the {} points is valid", scan->raw.records),
-                      "at least one finite point");
-    }
-    scan->placement = place(config, scan->scale(config, progress));
-    return scan;
-  }
+/// What the processes tell each other of a scan: of each of its parts, or of all of it.
+struct ScanSet::Told {
+  FileShare share;
+  std::vector<ReadingRanks::Bytes> parts;
+  std::uint64_t own = 0;  ///< points that this process has read
 };
 
 ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool digests, Progress& progress,
-                 const std::vector<std::string>& fields, const MeshRefusal& mesh_refusal, const ScanPart& part)
-    : configs_(scans), fields_(fields), abandoned_(std::make_shared<std::atomic<bool>>(false)) {
+                 const std::vector<std::string>& fields, const MeshRefusal& mesh_refusal, const ScanPart& part,
+                 ReadingRanks ranks)
+    : configs_(scans),
+      fields_(fields),
+      ranks_(std::move(ranks)),
+      abandoned_(std::make_shared<std::atomic<bool>>(false)) {
   PointSample sample;
   std::vector<ScanSize> sizes;
   std::vector<ScanUp> ups;
@@ -364,35 +104,36 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
     };
   }
   try {
-    for (const scene::ScanConfig& config : scans) {
+    std::vector<Told> told;
+    if (is_shared()) told = look_together(digests, progress, mesh_refusal, part);
+    for (std::size_t s = 0; s < scans.size(); ++s) {
+      const scene::ScanConfig& config = scans[s];
       progress.throw_if_cancelled();
-      if (digests) {
-        digests_.push_back(
-            in_background([file = config.file, abandoned = abandoned_] { return digest_of(file, *abandoned); }));
-      }
+      if (digests && !is_shared()) begin_digest(s);
       const bool streamed = keep == Keep::disk || is_quick_to_stream(config.file);
       try {
-        scans_.push_back(Scan::look_at(config, fields_, streamed, progress, refusal_of_all, part));
+        scans_.push_back(is_shared() ? take(std::move(told[s]), s, progress, mesh_refusal, part)
+                                     : LookedScan::look_at(config, fields_, streamed, progress, refusal_of_all, part));
       } catch (const EmptyScan& found) {
         if (scans.size() == 1) throw;
         progress.warn(left_out_warning(found));
         if (!empty) empty = found;
-        scans_.push_back(std::make_unique<Scan>());
+        scans_.push_back(std::make_unique<LookedScan>());
         records_.push_back(0);
         continue;
       }
-      const Scan& scan = *scans_.back();
+      const LookedScan& scan = *scans_.back();
       records_.push_back(scan.raw.records + scan.raw.unread);
       unread_ += scan.raw.unread;
       points_ += scan.valid;
       invalid_ += scan.raw.invalid;
-      faces_ += scan.raw.faces.size();
+      faces_ += scan.faces;
       colour_ = colour_ || scan.colour;
       intensity_ = intensity_ || scan.intensity;
       normals_ = normals_ || scan.normals;
       z_up_ = z_up_ || is_z_up(scan.raw.format);
       if (!scan.raw.pieces.empty()) {
-        (scan.raw.faces.empty() ? apart : pieces_).push_back(config.file.string() + ": " + scan.raw.pieces);
+        (scan.faces == 0 ? apart : pieces_).push_back(config.file.string() + ": " + scan.raw.pieces);
       }
       sample.merge(scan.looked.sample, scan.placement);
       PointSample placed;
@@ -418,6 +159,81 @@ ScanSet::ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool di
   if (apart_together(scans.size(), sample_m_)) pieces_.insert(pieces_.end(), apart.begin(), apart.end());
 }
 
+/// Each process looks at its share; all of them get what was found.
+std::vector<ScanSet::Told> ScanSet::look_together(bool digests, Progress& progress, const MeshRefusal& mesh_refusal,
+                                                  const ScanPart& part) {
+  std::vector<std::uint64_t> bytes;
+  std::vector<bool> of_one_length;
+  for (const scene::ScanConfig& config : configs_) {
+    std::error_code code;
+    const std::uint64_t size = std::filesystem::file_size(config.file, code);
+    bytes.push_back(code ? 0 : size);
+    of_one_length.push_back(is_quick_to_stream(config.file));
+  }
+  const std::vector<FileShare> shares = shares_of_files(bytes, of_one_length, ranks_.number, ranks_.size);
+  std::vector<Told> told(configs_.size());
+  MessageWriter message;
+  for (std::size_t s = 0; s < configs_.size(); ++s) {
+    told[s].share = shares[s];
+    if (digests && shares[s].digests) begin_digest(s);
+    if (!shares[s].reads || shares[s].kind == FileShare::Kind::whole_by_all) continue;
+    message.put(std::uint64_t{s});
+    MessageWriter found;
+    try {
+      const std::unique_ptr<LookedScan> scan =
+          LookedScan::read(configs_[s], fields_, true, progress, mesh_refusal, part, shares[s]);
+      told[s].own = scan->own;
+      found.put(false);
+      scan->write(found);
+    } catch (const EmptyScan& empty) {
+      found.put(true);
+      found.put(empty.wrong());
+      found.put(empty.expected());
+    }
+    const ReadingRanks::Bytes text = found.take();
+    message.put(std::uint64_t{text.size()});
+    message.put(std::span<const std::byte>(text));
+  }
+  ReadingRanks::Bytes all = message.take();
+  ranks_.join(all);
+  for (MessageReader reader(all); !reader.at_end();) {
+    Told& of_scan = told[static_cast<std::size_t>(reader.get<std::uint64_t>())];
+    const std::span<const std::byte> text = reader.bytes(reader.get<std::uint64_t>());
+    of_scan.parts.emplace_back(text.begin(), text.end());
+  }
+  return told;
+}
+
+/// A scan by what was told of it, the same in every process; read by each of them where that is not enough.
+std::unique_ptr<LookedScan> ScanSet::take(Told&& told, std::size_t number, Progress& progress,
+                                          const MeshRefusal& mesh_refusal, const ScanPart& part) const {
+  const scene::ScanConfig& config = configs_[number];
+  auto scan = std::make_unique<LookedScan>();
+  bool first = true;
+  for (const ReadingRanks::Bytes& bytes : told.parts) {
+    MessageReader message(bytes);
+    if (message.get<bool>()) {
+      std::string wrong = message.text();
+      throw EmptyScan(config.file.string(), std::move(wrong), message.text());
+    }
+    scan->add(message, std::exchange(first, false));
+  }
+  const auto by_all = [&](const ScanPart& wanted) {
+    auto whole = LookedScan::look_at(config, fields_, true, progress, mesh_refusal, wanted);
+    whole->number = ranks_.number;
+    whole->size = ranks_.size;
+    return whole;
+  };
+  if (told.parts.empty() || scan->raw.needs_whole) return by_all(part);
+  scan->prepare(config, fields_, part);
+  scan->share = told.share;
+  scan->own = told.own;
+  scan->decide_empty_returns();
+  if (scan->valid == 0 && scan->raw.unread > 0) return by_all({{}, 0, part.whole_chunks_only});
+  scan->settle(config, progress);
+  return scan;
+}
+
 void ScanSet::require_surface() const {
   std::vector<std::string> files;
   for (std::size_t s = 0; s < scans_.size(); ++s) {
@@ -431,7 +247,7 @@ void ScanSet::require_fields() const {
   std::vector<std::string> names;
   std::vector<bool> has(fields_.size());
   for (std::size_t s = 0; s < scans_.size(); ++s) {
-    const Scan& scan = *scans_[s];
+    const LookedScan& scan = *scans_[s];
     if (scan.valid == 0) continue;
     files.push_back(configs_[s].file.string());
     for (const std::string& name : scan.raw.fields) {
@@ -464,7 +280,7 @@ bool ScanSet::drops_empty_returns() const {
 
 std::vector<Station> ScanSet::stations() const {
   std::vector<Station> stations;
-  const auto add = [&](const Scan& scan, bool declared, const Eigen::Vector3d& place, const PointSample& sample) {
+  const auto add = [&](const LookedScan& scan, bool declared, const Eigen::Vector3d& place, const PointSample& sample) {
     Station station{scan.file.string(), declared, scan.placement(place), sample.points(), {}};
     for (Eigen::Vector3d& p : station.seen_m) p = scan.placement(p);
     if (&sample == &scan.with_normal) {
@@ -475,9 +291,9 @@ std::vector<Station> ScanSet::stations() const {
     stations.push_back(std::move(station));
   };
   for (std::size_t s = 0; s < scans_.size(); ++s) {
-    const Scan& scan = *scans_[s];
+    const LookedScan& scan = *scans_[s];
     if (scan.valid == 0) continue;
-    for (const Scan::Seen& seen : scan.from) {
+    for (const LookedScan::Seen& seen : scan.from) {
       if (!seen.sample.empty()) add(scan, true, seen.place, seen.sample);
     }
     // A pose moves a scanner's own coordinates, whose origin it is.
@@ -506,10 +322,10 @@ Cloud ScanSet::load(const Eigen::Vector3d& origin_m, Progress& progress, bool no
   }
   std::size_t count = 0;
   for (std::size_t s = 0; s < scans_.size(); ++s) {
-    Scan* scan = scans_[s].get();
-    std::unique_ptr<Scan> again;
+    LookedScan* scan = scans_[s].get();
+    std::unique_ptr<LookedScan> again;
     if (scan->streamed && !scan->raw.faces.empty()) {
-      again = Scan::look_at(configs_[s], fields_, false, progress);
+      again = LookedScan::look_at(configs_[s], fields_, false, progress);
       scan = again.get();
     }
     std::vector<std::uint32_t> moved;
@@ -566,7 +382,7 @@ std::uint64_t ScanSet::stream(const std::function<void(const CloudBlock&)>& use,
   std::vector<std::uint32_t> rgba;
   std::vector<float> intensity;
   FieldBuffer fields;
-  for (const std::unique_ptr<Scan>& scan : scans_) {
+  for (const std::unique_ptr<LookedScan>& scan : scans_) {
     scan->for_each_block(
         [&](const PointBlock& block) {
           points.clear();
@@ -584,19 +400,40 @@ std::uint64_t ScanSet::stream(const std::function<void(const CloudBlock&)>& use,
               [&](std::size_t) { ++beyond; });
           use({points, rgba, intensity, fields.spans()});
           done += block.points.size();
-          progress.at(static_cast<double>(done) / static_cast<double>(points_));
+          progress.at(std::min(1.0, static_cast<double>(done * ranks_.size) / static_cast<double>(points_)));
         },
-        progress);
+        progress, is_shared());
   }
   return beyond;
 }
 
+void ScanSet::begin_digest(std::size_t scan) {
+  digests_.emplace(scan, in_background([file = configs_[scan].file, abandoned = abandoned_] {
+                     return digest_of(file, *abandoned);
+                   }));
+}
+
 std::vector<scene::ScanSource> ScanSet::sources() {
-  std::vector<scene::ScanSource> sources;
-  for (std::size_t i = 0; i < digests_.size(); ++i) {
-    sources.push_back({configs_[i].file, digests_[i].get(), records_[i]});
+  MessageWriter message;
+  std::vector<std::string> digests(configs_.size());
+  for (auto& [scan, digest] : digests_) {
+    digests[scan] = digest.get();
+    message.put(std::uint64_t{scan});
+    message.put(digests[scan]);
   }
   digests_.clear();
+  if (is_shared()) {
+    ReadingRanks::Bytes bytes = message.take();
+    ranks_.join(bytes);
+    for (MessageReader reader(bytes); !reader.at_end();) {
+      const auto scan = static_cast<std::size_t>(reader.get<std::uint64_t>());
+      digests[scan] = reader.text();
+    }
+  }
+  std::vector<scene::ScanSource> sources;
+  for (std::size_t i = 0; i < configs_.size(); ++i) {
+    if (!digests[i].empty()) sources.push_back({configs_[i].file, digests[i], records_[i]});
+  }
   return sources;
 }
 

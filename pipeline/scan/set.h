@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <future>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -16,6 +17,7 @@
 #include "pipeline/scan/cloud.h"
 #include "pipeline/scan/fields.h"
 #include "pipeline/scan/reader.h"
+#include "pipeline/scan/shared_reading.h"
 #include "scene/config/filters.h"
 #include "scene/config/scans.h"
 #include "scene/scene_fwd.h"
@@ -39,6 +41,8 @@ struct ScanPart {
   bool whole_chunks_only = false;          ///< see ReadOptions
 };
 
+struct LookedScan;
+
 class ScanSet {
  public:
   /// Where points wait between the first look and the second: `quickest` keeps those in memory that take long to
@@ -49,9 +53,11 @@ class ScanSet {
   /// without a point beside others, which is left out. `digests`: the
   /// files' SHA-256 are taken meanwhile, for sources(). `fields`: what the points shall keep beside colour and
   /// intensity, as field_key() gives it. `mesh_refusal`: asked of all points and triangles of a mesh and the scans
-  /// before it.
+  /// before it. `ranks`: the processes that read the set together, each its share (Keep::disk alone); all of them come
+  /// to the same set, and all make the calls of this class that say so.
   ScanSet(const std::vector<scene::ScanConfig>& scans, Keep keep, bool digests, Progress& progress,
-          const std::vector<std::string>& fields = {}, const MeshRefusal& mesh_refusal = {}, const ScanPart& part = {});
+          const std::vector<std::string>& fields = {}, const MeshRefusal& mesh_refusal = {}, const ScanPart& part = {},
+          ReadingRanks ranks = {});
   ~ScanSet();
   ScanSet(const ScanSet&) = delete;
   ScanSet& operator=(const ScanSet&) = delete;
@@ -97,21 +103,32 @@ class ScanSet {
   [[nodiscard]] Cloud load(const Eigen::Vector3d& origin_m, Progress& progress, bool normals);
 
   /// The same points block by block, relative to origin_m(); returns how many are beyond float32. May be called again.
-  /// Attributes are there when any of the scans has them. Throws Cancelled.
+  /// Attributes are there when any of the scans has them. Of a set that is read by several processes these are the
+  /// points of this one's share. Throws Cancelled.
   std::uint64_t stream(const std::function<void(const CloudBlock&)>& use, Progress& progress) const;
 
-  /// Waits for the digests.
+  /// Whether several processes read the set, and how they tell each other what they have found in their shares.
+  [[nodiscard]] bool is_shared() const { return ranks_.size > 1; }
+  [[nodiscard]] const ReadingRanks& ranks() const { return ranks_; }
+
+  /// Waits for the digests; called by all processes.
   [[nodiscard]] std::vector<scene::ScanSource> sources();
 
  private:
-  struct Scan;
+  struct Told;
+  void begin_digest(std::size_t scan);
+  [[nodiscard]] std::vector<Told> look_together(bool digests, Progress& progress, const MeshRefusal& mesh_refusal,
+                                                const ScanPart& part);
+  [[nodiscard]] std::unique_ptr<LookedScan> take(Told&& told, std::size_t number, Progress& progress,
+                                                 const MeshRefusal& mesh_refusal, const ScanPart& part) const;
 
   std::vector<scene::ScanConfig> configs_;
   std::vector<std::string> fields_;
-  std::vector<std::unique_ptr<Scan>> scans_;
+  ReadingRanks ranks_;
+  std::vector<std::unique_ptr<LookedScan>> scans_;
   std::vector<std::uint64_t> records_;
-  std::shared_ptr<std::atomic<bool>> abandoned_;  ///< the digests look at it
-  std::vector<std::future<std::string>> digests_;
+  std::shared_ptr<std::atomic<bool>> abandoned_;             ///< the digests look at it
+  std::map<std::size_t, std::future<std::string>> digests_;  ///< of the scans whose digest this process takes
   std::uint64_t points_ = 0, invalid_ = 0, unread_ = 0;
   std::size_t faces_ = 0;
   std::vector<std::string> pieces_;

@@ -42,7 +42,9 @@ ScanWriter::ScanWriter(RawScan& scan, const PointSink& sink, const ReadOptions& 
       mesh_refusal_(options.mesh_refusal),
       region_(options.region),
       enough_(options.enough),
-      whole_chunks_only_(options.whole_chunks_only) {
+      whole_chunks_only_(options.whole_chunks_only),
+      from_(options.from),
+      to_(options.to) {
   scan_.values.resize(kept_names_.size());
   if (mesh_refusal_) face_room_ = kFacesBetween;
 }
@@ -95,7 +97,7 @@ int ScanWriter::want(std::string_view name, bool counted) {
 }
 
 void ScanWriter::add_invalid() {
-  dropped_.push_back(valid_ + filled_ + dropped_.size());
+  if (may_have_faces_) dropped_.push_back(records());
   ++scan_.invalid;
 }
 
@@ -206,7 +208,7 @@ void ScanWriter::finish() {
   for (std::vector<float>& values : scan_.values) {
     if (!values.empty()) values.resize(scan_.points.size(), kNoValue);
   }
-  scan_.records = valid_ + dropped_.size();
+  scan_.records = records();
   if (mesh_refusal_) {
     expect_mesh(scan_.records, triangles());
     if (refused_) throw *mesh_refusal_(scan_.records, triangles());

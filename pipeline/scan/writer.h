@@ -7,9 +7,11 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "pipeline/scan/reader.h"
+#include "pipeline/scan/shared_reading.h"
 
 namespace sparsha::pipeline {
 
@@ -38,15 +40,23 @@ class ScanWriter {
   /// the records have.
   void begin(std::uint64_t records, bool colour, bool intensity, bool normals = false);
   [[nodiscard]] bool has_colour() const { return colour_; }
+  /// Of so many records of one length the first that is wanted, and the one behind the last.
+  [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> part_of(std::uint64_t records) const {
+    return {record_at(records, from_), record_at(records, to_)};
+  }
+  [[nodiscard]] bool is_part() const { return from_ > 0.0 || to_ < 1.0; }
   /// See ReadOptions.
   [[nodiscard]] const Region& region() const { return region_; }
   [[nodiscard]] std::uint64_t enough() const { return enough_; }
   [[nodiscard]] bool whole_chunks_only() const { return whole_chunks_only_; }
+  /// The file has no faces, so that nobody asks for the numbers of its invalid records: any number of them takes no
+  /// memory.
+  void expect_no_faces() { may_have_faces_ = false; }
   /// What the records from now on have: blocks of one file may differ. The points of the others get kNoColour,
   /// kNoIntensity and a normal of zero.
   void set_attributes(bool colour, bool intensity, bool normals = false);
   /// Records so far, valid or not.
-  [[nodiscard]] std::uint64_t records() const { return valid_ + filled_ + dropped_.size(); }
+  [[nodiscard]] std::uint64_t records() const { return valid_ + filled_ + scan_.invalid; }
 
   /// Records from now on were seen from here, file units.
   void set_station(const std::optional<Eigen::Vector3d>& place);
@@ -136,13 +146,15 @@ class ScanWriter {
   bool colour_ = false;
   bool has_intensity_ = false;
   bool has_normals_ = false;
-  std::vector<std::uint64_t> dropped_;   ///< numbers of invalid records, ascending
+  bool may_have_faces_ = true;
+  std::vector<std::uint64_t> dropped_;   ///< numbers of invalid records, ascending; of files that may have faces
   std::vector<std::uint32_t> polygons_;  ///< corner count, then corners, of faces with more than three
   std::uint64_t polygon_triangles_ = 0;  ///< that they will give
   MeshRefusal mesh_refusal_;
   Region region_;
   std::uint64_t enough_;
   bool whole_chunks_only_;
+  double from_, to_;
   std::size_t face_room_ = std::numeric_limits<std::size_t>::max();  ///< faces until somebody is asked again
   bool refused_ = false;                                             ///< faces are only counted
   std::uint64_t counted_ = 0;                                        ///< of them

@@ -1,10 +1,13 @@
 """Scenes that mpirun builds are those of one process, byte by byte, and faults end all ranks with one message.
 
 77 when mpirun or Sparsha's plug-in is not there."""
+import array
 import json
 import math
 import os
 import pathlib
+import random
+import re
 import shutil
 import signal
 import subprocess
@@ -145,6 +148,49 @@ def what_one_rank_has_otherwise_is_named(folder):
         assert "rank 1 on" in run.stderr and "another configuration" in run.stderr, run.stderr
 
 
+def bytes_read_by_ranks(folder):
+    """Two ranks, each with its own copy of two scans that no cache holds: how much each has read from the disk, and the
+    size of the scans. None where the system does not tell, as of a disk in memory."""
+    random_ = random.Random(2)  # no raster, whose steps would be looked for in all points
+    block = array.array("f", (random_.random() / side for _ in range(20000) for side in (1, 1, 100)))
+    parts, scans_bytes = [], 0
+    for rank in range(2):
+        place = folder / f"machine{rank}"
+        place.mkdir()
+        (place / "scans.yaml").write_text("scans:\n  - {file: a.ply, units: m}\n  - {file: b.ply, units: m}\n"
+                                          "grid: {spacing_mm: 10}\n")
+        scans_bytes = 0
+        for name, blocks in (("a.ply", 80), ("b.ply", 81)):
+            with open(place / name, "wb") as file:
+                file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % (20000 * blocks))
+                file.write(b"property float x\nproperty float y\nproperty float z\nend_header\n")
+                for _ in range(blocks):
+                    block.tofile(file)
+                scans_bytes += file.tell()
+                file.flush()
+                os.fsync(file.fileno())
+                os.posix_fadvise(file.fileno(), 0, 0, os.POSIX_FADV_DONTNEED)
+        # What a shell has read counts its children that have ended.
+        run = f'"{PROGRAM}" build scans.yaml --only grid --quiet --out shared; code=$?; cat /proc/$$/io > io; exit $code'
+        parts += [":"] * bool(parts) + ["-n", "1", "-wdir", str(place), "sh", "-c", run]
+    done = subprocess.run(["mpirun", *parts], capture_output=True, text=True, timeout=100, env=environment())
+    assert done.returncode == 0, done
+    read = [int(re.search(r"^read_bytes: (\d+)", (folder / f"machine{rank}" / "io").read_text(), re.M)[1]) for rank in range(2)]
+    for rank in range(2):
+        shutil.rmtree(folder / f"machine{rank}")
+    return (read, scans_bytes) if sum(read) >= scans_bytes / 2 else None
+
+
+def each_rank_reads_its_part(folder):
+    found = bytes_read_by_ranks(folder)
+    if found is None:
+        return
+    read, scans_bytes = found
+    # Half of the bytes, the 64 pieces of each file that are compared, and what the system reads ahead: up to 8 MiB about
+    # the place where the two meet.
+    assert all(one < 0.9 * scans_bytes for one in read), (read, scans_bytes)
+
+
 def children_of(pid):
     found = []
     for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
@@ -209,6 +255,7 @@ def main():
         refusal_is_said_once(folder)
         file_that_one_rank_cannot_read_is_named(folder)
         what_one_rank_has_otherwise_is_named(folder)
+        each_rank_reads_its_part(folder)
         killed_rank_ends_all(folder)
     return 0
 

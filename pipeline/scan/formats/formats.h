@@ -27,7 +27,9 @@ struct Format {
   bool y_up = false;           ///< its second coordinate is height by rule
   std::string_view missing{};  ///< a file of its ending that is not told is an error: what it must begin with
   bool (*may_hold_faces)(const ScanFile&) = nullptr;  ///< null: never
-  /// Its records are read again as fast as from memory; null: never.
+  bool points_only = false;                           ///< none of its files has faces
+  /// Its records have one length and no faces follow them, so that they are read again as fast as from memory, and in
+  /// parts; null: never.
   bool (*quick_to_stream)(const ScanFile&) = nullptr;
 };
 

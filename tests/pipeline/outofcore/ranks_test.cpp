@@ -5,13 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <exception>
 #include <filesystem>
-#include <functional>
 #include <iterator>
-#include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "base/error.h"
@@ -20,37 +16,13 @@
 #include "pipeline/simulate/simulate.h"
 #include "scene/config/config.h"
 #include "scene/scene.h"
-#include "tests/pipeline/outofcore/thread_transport.h"
+#include "tests/pipeline/outofcore/rank_threads.h"
 #include "tests/pipeline/outofcore/two_builds.h"
 
 namespace sparsha::pipeline {
 namespace {
 
-/// Does `work` on so many ranks at once. The first that fails cancels the others, and its error is thrown.
-void on_ranks(std::size_t size, std::size_t round_bytes, const std::function<void(const Ranks&, Progress&)>& work) {
-  test::MeetingPlace place(static_cast<int>(size));
-  std::vector<std::unique_ptr<Progress>> progress;
-  for (std::size_t r = 0; r < size; ++r) progress.push_back(std::make_unique<Progress>());
-  std::vector<std::exception_ptr> errors(size);
-  std::vector<std::thread> threads;
-  for (std::size_t r = 0; r < size; ++r) {
-    threads.emplace_back([&, r] {
-      test::ThreadTransport transport(place, r);
-      try {
-        work(Ranks(transport, *progress[r], round_bytes), *progress[r]);
-      } catch (const Cancelled&) {
-      } catch (...) {
-        errors[r] = std::current_exception();
-        for (const auto& other : progress) other->cancel();
-      }
-      EXPECT_LE(static_cast<std::size_t>(transport.largest()), std::max<std::size_t>(round_bytes / size, 16));
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-  for (const std::exception_ptr& error : errors) {
-    if (error) std::rethrow_exception(error);
-  }
-}
+using test::on_ranks;
 
 TEST(Ranks, MessagesOfAnySizeArriveWholeInSmallRounds) {
   constexpr std::size_t kSize = 3;
@@ -73,6 +45,15 @@ TEST(Ranks, MessagesOfAnySizeArriveWholeInSmallRounds) {
       expected.insert(expected.end(), part.begin(), part.end());
     }
     EXPECT_EQ(joined, expected);
+    std::size_t merges = 0;
+    const Ranks::Bytes merged = ranks.merged(message(ranks.number(), 0), [&](const auto& first, const auto& second) {
+      ++merges;
+      Ranks::Bytes two = second;
+      two.insert(two.begin(), first.begin(), first.end());
+      return two;
+    });
+    EXPECT_EQ(merged, expected);
+    EXPECT_EQ(merges, ranks.is_root() ? 2U : 0U);
     const std::vector<Ranks::Bytes> gathered = ranks.gather(message(ranks.number(), 1));
     for (std::size_t r = 0; r < kSize; ++r) EXPECT_EQ(gathered[r], ranks.is_root() ? message(r, 1) : Ranks::Bytes());
   });

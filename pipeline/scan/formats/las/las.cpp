@@ -53,6 +53,10 @@ std::int32_t PointReader::stored(double coordinate, std::size_t axis) const {
 }
 
 void PointReader::finish(const ScanFile& file) {
+  if (out_.is_part()) {
+    out_.scan().needs_whole = withheld_ > 0 || outside_ > 0;
+    return;
+  }
   if (withheld_ > 0) {
     out_.scan().warnings.push_back(
         fmt::format("{} of {} points are withheld, as the file flags what was deleted; they are counted as invalid",
@@ -163,7 +167,8 @@ void read_las(const ScanFile& file, ScanWriter& out) {
     reader.finish(file);
     return;
   }
-  out.begin(header.points, colour, true);
+  const auto [first, last] = out.part_of(header.points);
+  out.begin(last - first, colour, true);
   const char* p = file.bytes.data() + header.first_point;
   if (colour) {
     at_sampled_records(header.points, [&](std::uint64_t i) {
@@ -171,7 +176,8 @@ void read_las(const ScanFile& file, ScanWriter& out) {
       return !reader.colours().is_decided();
     });
   }
-  for (std::uint64_t i = 0; i < header.points; ++i, p += header.record_size) {
+  p += first * header.record_size;
+  for (std::uint64_t i = first; i < last; ++i, p += header.record_size) {
     reader.add(p);
     if ((i & 0xFFFF) == 0xFFFF) file.done_before(static_cast<std::size_t>(p - file.bytes.data()));
   }

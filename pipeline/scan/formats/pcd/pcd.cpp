@@ -74,6 +74,7 @@ class BinaryBody {
   BinaryBody(const Header& header, const char* body, bool by_fields)
       : header_(header), body_(body), by_fields_(by_fields) {}
 
+  [[nodiscard]] bool is_by_fields() const { return by_fields_; }
   [[nodiscard]] const char* first(const Field& field) const {
     return body_ + (by_fields_ ? field.offset * static_cast<std::size_t>(header_.points) : field.offset);
   }
@@ -112,7 +113,8 @@ void read_records(const ScanFile& file, const Header& header, Wanted wanted, con
   const std::size_t sx = body.stride(*wanted.x);
   const std::size_t sy = body.stride(*wanted.y);
   const std::size_t sz = body.stride(*wanted.z);
-  for (std::size_t i = 0; i < n; ++i) {
+  const auto [first, last] = body.is_by_fields() ? std::pair<std::uint64_t, std::uint64_t>(0, n) : out.part_of(n);
+  for (auto i = static_cast<std::size_t>(first); i < last; ++i) {
     std::uint32_t rgba = kWhite;
     if (wanted.packed != nullptr) {
       rgba = unpack_argb(body.bits(*wanted.packed, i), wanted.opaque());

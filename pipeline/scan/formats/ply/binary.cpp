@@ -64,7 +64,10 @@ class Body {
     const bool plain = quick && !columns.has_colour() && !packed;
     const bool same = layout.x.type == layout.y.type && layout.x.type == layout.z.type;
     constexpr std::size_t kChunk = 1 << 16;
-    for (std::uint64_t left = vertex.count; left > 0;) {
+    const auto [first, last] = out_.part_of(vertex.count);
+    const char* const behind = p_ + static_cast<std::size_t>(vertex.count) * stride;
+    p_ += static_cast<std::size_t>(first) * stride;
+    for (std::uint64_t left = last - first; left > 0;) {
       const auto chunk = static_cast<std::size_t>(std::min<std::uint64_t>(left, kChunk));
       const char* const stop = p_ + chunk * stride;
       if (same && layout.x.type == ScalarType::f32 && plain) {
@@ -81,6 +84,8 @@ class Body {
       left -= chunk;
       file_.done_before(static_cast<std::size_t>(p_ - file_.bytes.data()));
     }
+    p_ = behind;
+    if (splats_ && out_.is_part()) out_.scan().needs_whole = true;
     if (splats_) splats_->warn(out_.scan());
   }
 

@@ -43,9 +43,10 @@ void require_encoding(const ScanFile& file, const ply::Header& header) {
     throw file.error("the PLY header says 'format ascii', but what follows it is binary",
                      "'format binary_little_endian 1.0', or big_endian, in the header");
   }
+  if (!text.all) return;
   const bool numbers = body.find_first_of("0123456789") != std::string_view::npos &&
                        body.find_first_of(" \t\r\n") != std::string_view::npos;
-  if (!text.all || !numbers || has_size_of(header, body.size())) return;
+  if (!numbers || has_size_of(header, body.size())) return;
   throw file.error("the PLY header says that the file is binary, but what follows it are numbers in text",
                    "'format ascii 1.0' in the header");
 }
