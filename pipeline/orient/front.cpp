@@ -81,8 +81,12 @@ std::optional<FrontView> find_front(const EvenPoints& object, const Standing& st
   };
   FrontView front;
   front.up = up;
+  front.standing_open = standing.open;
   front.rival = standing.room ? 1.0 : rival_of(turns);  // walls have no face
-  if (front.open()) {
+  if (standing.face) {
+    front.rival = 0.0;
+    turns = std::atan2(standing.face->dot(up.cross(ring.ahead())), standing.face->dot(ring.ahead())) / FaceRing::kTurn;
+  } else if (front.no_face()) {
     // No side is like a face: of the broad sides, or of those along the scan's axes where none is broad.
     const std::optional<double> broad = broad_side(object, ring.ahead(), up);
     double best = -1.0;
@@ -104,9 +108,11 @@ std::optional<FrontView> find_front(const EvenPoints& object, const Standing& st
       "{}: {}, and {}", standing.room ? "a room" : "a solid object", standing.reason,
       standing.room ? "all of its walls hide what is in it: this side is a guess, look at it, turn it, and crop the "
                       "walls or the ceiling before what is meant"
-      : front.open()
+      : front.no_face()
           ? "no side is clearly more like a face than the others: this one is a guess, look at it and turn it"
-          : "from this side its carving is most like its mirror image and shows most of a face");
+      : front.standing_open ? "it may as well stand in another way: this side is a guess, look at it and turn it"
+      : standing.face       ? "its face looks this way"
+                            : "from this side its carving is most like its mirror image and shows most of a face");
   return front;
 }
 

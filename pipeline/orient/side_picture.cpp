@@ -247,13 +247,15 @@ double seen_share(const EvenPoints& object, const SidePicture& picture, const Ei
   return static_cast<double>(seen) / static_cast<double>(object.points.size());
 }
 
-std::vector<float> relief_of(const SidePicture& picture) {
-  const std::vector<float> fine = smoothed(picture, kFine);
-  const std::vector<float> coarse = smoothed(picture, kCoarse);
+std::vector<float> relief_of(const SidePicture& picture) { return relief_of(picture, kFine, kCoarse, kMostRelief); }
+
+std::vector<float> relief_of(const SidePicture& picture, double fine_px, double coarse_px, float most) {
+  const std::vector<float> fine = smoothed(picture, fine_px);
+  const std::vector<float> coarse = smoothed(picture, coarse_px);
   std::vector<float> relief(fine.size());
   for (std::size_t n = 0; n < fine.size(); ++n) {
     const float difference = fine[n] - coarse[n];
-    relief[n] = std::isfinite(difference) ? std::clamp(difference, -kMostRelief, kMostRelief) : 0.0F;
+    relief[n] = std::isfinite(difference) ? std::clamp(difference, -most, most) : 0.0F;
   }
   return relief;
 }

@@ -42,5 +42,7 @@ inline constexpr double kOneSided = 0.75;
 /// Carving on the surface seen: heights over their surroundings without steps, at the scale of eyes and mouths on a
 /// bust, within -1 and 1 pixel; 0 where nothing is.
 [[nodiscard]] std::vector<float> relief_of(const SidePicture& picture);
+/// The same at another scale: standard deviations of the two Gaussians, pixels, and the most that counts.
+[[nodiscard]] std::vector<float> relief_of(const SidePicture& picture, double fine_px, double coarse_px, float most);
 
 }  // namespace sparsha::pipeline

@@ -15,6 +15,7 @@
 #include "pipeline/orient/foot.h"
 #include "pipeline/orient/likeness.h"
 #include "pipeline/orient/room.h"
+#include "pipeline/orient/upright.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -25,29 +26,10 @@ constexpr double kSideways = 0.15;      // less for x, which no custom calls up:
 constexpr double kUpsideDown = 0.25;    // less for what custom calls down
 constexpr double kTilted = 0.25;        // less for a base that lies along no axis of the scan
 constexpr double kEvidentFoot = 0.2;    // more than that of the opposite side
+constexpr double kClearly = 0.1;        // more than another way to stand has, by its plane of symmetry
 constexpr double kFace = 0.4;           // of a face that is e times less of one
 constexpr double kMostFace = 0.8;       // that no face takes away more than
 constexpr std::size_t kOutline = 4000;  // points that an outline is taken from
-
-// The normal of the plane through what is lowest, a few times: a base that is a little tilted becomes level.
-Eigen::Vector3d levelled(const EvenPoints& object, Eigen::Vector3d up) {
-  for (const double share : {0.08, 0.05, 0.03}) {
-    const std::vector<std::size_t> lowest = lowest_of(object, up, share);
-    if (lowest.size() < 3) break;
-    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-    for (const std::size_t i : lowest) centre += object.points[i];
-    centre /= static_cast<double>(lowest.size());
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    for (const std::size_t i : lowest)
-      covariance += (object.points[i] - centre) * (object.points[i] - centre).transpose();
-    const Eigen::Vector3d normal =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(0).normalized();
-    const double along = normal.dot(up);
-    if (std::abs(along) < 0.7) break;  // what is lowest is no base
-    up = along < 0.0 ? Eigen::Vector3d(-normal) : normal;
-  }
-  return up;
-}
 
 // Directions up from bases that lie along no axis of the scan.
 std::vector<Eigen::Vector3d> tilted_bases(const EvenPoints& object) {
@@ -76,6 +58,8 @@ Standing standing_of_room(const Room& room) {
                       100.0 * room.ceiling,
                       room.by_things ? "of which what stands in the room is nearer to the floor"
                                      : "of which custom tells the floor"),
+          {},
+          false,
           true};
 }
 
@@ -131,6 +115,22 @@ Upright most_upright(const EvenPoints& object, const std::vector<Upright>& along
   return best;
 }
 
+Standing standing_by(const UprightBySymmetry& upright, const Standing& custom, bool z_up) {
+  Standing standing;
+  standing.up = upright.up;
+  standing.face = upright.face;
+  standing.open = !upright.face && upright.rival > upright.worth - kClearly;
+  standing.reason = upright.face ? "a face is upright in its plane of symmetry"
+                    : upright.foot > kEvidentFoot
+                        ? upright.up == custom.up
+                              ? fmt::format("{} is up: it stands on a flat base", z_up ? "z" : "y")
+                              : fmt::format("it stands on a flat base ({:.0f} % of its outline)", 100.0 * upright.foot)
+                    : upright.up == custom.up
+                        ? custom.reason
+                        : "of the ways to stand, by foot and by its plane of symmetry, this one is best";
+  return standing;
+}
+
 }  // namespace
 
 Standing customary_standing(bool z_up) {
@@ -144,6 +144,9 @@ std::optional<Standing> standing_of(const EvenPoints& object, bool z_up) {
   if (const std::optional<Room> room = room_of(object, tilted)) return standing_of_room(*room);
   const Standing custom = customary_standing(z_up);
   const Eigen::Vector3d other = customary_standing(!z_up).up;
+  if (const std::optional<UprightBySymmetry> upright =
+          upright_by_symmetry(object, {CustomaryUp{custom.up, kCustom}, CustomaryUp{other, kOtherCustom}}))
+    return standing_by(*upright, custom, z_up);
   std::vector<Upright> along_axes, others;
   const auto add = [&](std::vector<Upright>& uprights, const Eigen::Vector3d& up, double custom_worth) {
     uprights.push_back({up, std::max(0.0, foot_of(object, up) - foot_of(object, -up)), custom_worth, 0.0});

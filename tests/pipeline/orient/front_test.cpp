@@ -105,6 +105,31 @@ TEST(Front, OfABustIsItsFaceHoweverItWasTurnedAboutItsUprightAxis) {
   }
 }
 
+// Turns that leave no axis near where one was.
+std::vector<Eigen::Matrix3d> any_turns(std::size_t count) {
+  std::mt19937_64 random(20);
+  std::normal_distribution<double> normal;
+  std::vector<Eigen::Matrix3d> turns;
+  while (turns.size() < count)
+    turns.push_back(Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random))
+                        .normalized()
+                        .toRotationMatrix());
+  return turns;
+}
+
+TEST(Front, OfABustIsItsFaceUprightHoweverItWasTurned) {
+  for (const bool plinth : {true, false}) {
+    const Points points = bust(30'000, 0.004, plinth);
+    for (const Eigen::Matrix3d& turn : any_turns(3)) {
+      const FrontView front = front_of(turned(points, turn));
+      // Without a base a face tells it, from views 15 degrees apart.
+      EXPECT_LT(angle_deg(front.up, turn * Eigen::Vector3d::UnitY()), plinth ? 5.0 : 20.0) << front.reason;
+      EXPECT_LT(angle_deg(front.look_from, turn * Eigen::Vector3d::UnitZ()), plinth ? 8.0 : 20.0) << front.reason;
+      EXPECT_FALSE(front.open());
+    }
+  }
+}
+
 TEST(Front, UpIsFromTheBaseWhereCustomSaysOtherwise) {
   const Points points = bust();
   Eigen::Matrix3d z_up;  // as programs write it whose z is up
@@ -299,6 +324,20 @@ TEST(Front, RealScanStatuesShowTheirFaces) {
       const FrontView of_z = front_of(turned(points, z_up * turn));
       EXPECT_EQ(of_z.up, Eigen::Vector3d::UnitZ()) << of_z.reason;
       EXPECT_LT(angle_deg(of_z.look_from, z_up * turn * Eigen::Vector3d::UnitZ()), 16.0) << turn_deg;
+    }
+  }
+}
+
+TEST(Front, RealScanStatuesShowTheirFacesHoweverTheyAreTurned) {
+  const char* folder = std::getenv("SPARSHA_SCANS_DIR");
+  if (folder == nullptr) GTEST_SKIP() << "SPARSHA_SCANS_DIR is not set: no real scans at hand";
+  for (const char* name : {"nefertiti-lowres.obj", "demosthenes-low-res.obj", "laurana.ply", "igea.ply", "oni.ply"}) {
+    SCOPED_TRACE(name);
+    const Points points = read_scan(fs::path(folder) / "heritage" / name).points;
+    for (const Eigen::Matrix3d& turn : any_turns(3)) {
+      const FrontView front = front_of(turned(points, turn));
+      EXPECT_LT(angle_deg(front.up, turn * Eigen::Vector3d::UnitY()), 22.5) << front.reason;
+      EXPECT_LT(angle_deg(front.look_from, turn * Eigen::Vector3d::UnitZ()), 22.5) << front.reason;
     }
   }
 }
