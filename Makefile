@@ -4,9 +4,9 @@ JOBS ?= $(shell nproc 2>/dev/null || echo 2)
 CTEST_FLAGS ?=
 # The standard library's checks of indices in our objects (docs/change/decisions/0009-library-assertions-in-ci.md): .ci/run turns them on.
 ASSERTIONS ?= OFF
-# A first build reads other people's headers once (cmake/precompiled.cmake), and by Ninja, where it is, which lets no core wait
-# while a library is linked; a folder keeps what it began with.
-FIRST = $(if $(wildcard $(BUILD)/CMakeCache.txt),,-DSPARSHA_PRECOMPILE=ON $(if $(shell command -v ninja),-G Ninja))
+# A first build reads other people's headers once (cmake/precompiled.cmake), compiles several sources as one (cmake/unity.cmake),
+# and by Ninja, where it is, which lets no core wait while a library is linked; a folder keeps what it began with.
+FIRST = $(if $(wildcard $(BUILD)/CMakeCache.txt),,-DSPARSHA_PRECOMPILE=ON -DSPARSHA_UNITY=ON $(if $(shell command -v ninja),-G Ninja))
 
 .PHONY: run test tests package docs setup setup-run setup-package nightly bench bench-quick soak format clean
 

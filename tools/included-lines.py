@@ -1,14 +1,18 @@
 #!/usr/bin/env python3
 """Fails where the sources of a room include more lines than before: what each of them costs a compiler.
 
-  tools/included-lines.py BUILD KEPT.json [--keep]   BUILD: a folder that Ninja has built with precompiled headers
+  tools/included-lines.py BUILD KEPT.json [--keep]   BUILD: a folder that CMake has configured with precompiled headers,
+                                                     and without SPARSHA_UNITY; it need not be built
 
-Lines are those of all files that the compiler read for an object, besides precompiled headers (cmake/precompiled.cmake), from
-Ninja's record of dependencies. Of each room (tools/rooms.json; tests are one) the mean over its objects may rise by a
-tenth and the largest number by a fifth, before somebody looks at it; with --keep the present numbers are kept."""
+Lines are those of all files that a source includes, directly or not, besides precompiled headers (cmake/precompiled.cmake).
+Every #include counts, also one that a macro leaves out. Of each room (tools/rooms.json; tests are one) the mean over its
+sources may rise by a tenth and the largest number by a fifth, before somebody looks at it; with --keep the present numbers
+are kept."""
 import collections
 import json
 import os
+import re
+import shlex
 import subprocess
 import sys
 
@@ -16,18 +20,70 @@ from rooms import ROOMS, inside
 
 MEAN, MOST = 1.1, 1.2  # how far above what is kept
 SHOWN = 5  # the files with the most lines of a room that fails
+INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"\n]+)[>"]', re.M)
+FOLDERS = {"-I": False, "-isystem": True, "-idirafter": True}
 
 
-def dependencies(build):
-    """Object -> the files that were read for it, relative to BUILD."""
-    told = subprocess.run(["ninja", "-C", build, "-t", "deps"], capture_output=True, text=True, check=True).stdout
-    objects, read = {}, []
-    for line in told.splitlines():
-        if line.startswith(" "):
-            read.append(line.strip())
-        elif line:
-            read = objects.setdefault(line.split(": #deps")[0], [])
-    return objects
+class Files:
+    """What each file includes, and its lines."""
+
+    def __init__(self):
+        self.read, self.found, self.closures = {}, {}, {}
+
+    def of(self, path):
+        if path not in self.read:
+            try:
+                with open(path, "rb") as file:
+                    text = file.read()
+                self.read[path] = (text.count(b"\n"), INCLUDE.findall(text))
+            except OSError:
+                self.read[path] = (0, [])
+        return self.read[path]
+
+    def place(self, name, by_quotes, path, folders):
+        """The file that an #include means; None: no such file, for example one of another system."""
+        beside = os.path.dirname(path) if by_quotes else None
+        key = (name, beside, folders)
+        if key not in self.found:
+            tried = ([beside] if by_quotes else []) + list(folders)
+            whole = (os.path.normpath(os.path.join(folder, name)) for folder in tried)
+            self.found[key] = next((file for file in whole if os.path.isfile(file)), None)
+        return self.found[key]
+
+    def closure(self, path, folders):
+        """The file and all that it includes."""
+        key = (path, folders)
+        if key not in self.closures:
+            seen, left = {path}, [path]
+            while left:
+                file = left.pop()
+                for mark, name in self.of(file)[1]:
+                    found = self.place(name.decode(errors="replace"), mark == b'"', file, folders)
+                    if found and found not in seen:
+                        seen.add(found)
+                        left.append(found)
+            self.closures[key] = seen
+        return self.closures[key]
+
+
+def compilers_folders(compiler):
+    """Where the compiler looks for headers of itself."""
+    told = subprocess.run([compiler, "-E", "-x", "c++", "-v", os.devnull], capture_output=True, text=True, check=True).stderr
+    told = told.split("#include <...> search starts here:\n")[1].split("End of search list.")[0]
+    return tuple(os.path.normpath(line.strip()) for line in told.splitlines())
+
+
+def folders_of(words):
+    """Folders of a compiler's command in the order in which it searches them, and its precompiled header."""
+    plain, systems, header = [], [], None
+    for n, word in enumerate(words):
+        for option, late in FOLDERS.items():
+            if word.startswith(option):
+                folder = word[len(option):] or words[n + 1]
+                (systems if late else plain).append(os.path.normpath(folder))
+        if word == "-include" and "cmake_pch" in words[n + 1]:
+            header = words[n + 1]
+    return tuple(plain + systems), header
 
 
 def room_of(source):
@@ -37,27 +93,26 @@ def room_of(source):
 
 
 def counted(build):
-    """Room -> its sources, each with the lines that were read for it."""
-    lines = {}
-
-    def count(name):
-        if name not in lines:
-            try:
-                with open(os.path.join(build, name), "rb") as file:
-                    lines[name] = sum(1 for _ in file)
-            except OSError:
-                lines[name] = 0
-        return lines[name]
-
-    rooms = collections.defaultdict(dict)
-    for name, read in dependencies(build).items():
-        if not read or "cmake_pch" in name:
-            continue
-        source = os.path.relpath(os.path.join(build, read[0]))
+    """Room -> its sources, each with the lines that it includes."""
+    with open(os.path.join(build, "compile_commands.json"), encoding="utf-8") as file:
+        commands = json.load(file)
+    files, rooms, own = Files(), collections.defaultdict(dict), {}
+    for command in commands:
+        source = os.path.relpath(command["file"])
         room = room_of(source)
-        if room:
-            total = sum(count(file) for file in read if "cmake_pch" not in file)
-            rooms[room][source] = min(total, rooms[room].get(source, total))
+        if not room or not source.endswith(".cpp"):
+            continue
+        words = shlex.split(command["command"])
+        compiler = next(word for word in words if os.path.basename(word).startswith(("c++", "g++", "clang++")))
+        if compiler not in own:
+            own[compiler] = compilers_folders(compiler)
+        folders, header = folders_of(words)
+        folders += own[compiler]
+        read = files.closure(os.path.normpath(command["file"]), folders)
+        if header:
+            read = read - files.closure(os.path.normpath(os.path.join(command["directory"], header)), folders)
+        total = sum(files.of(file)[0] for file in read)
+        rooms[room][source] = min(total, rooms[room].get(source, total))
     return rooms
 
 
@@ -73,7 +128,7 @@ def main():
     build, path = arguments
     rooms = counted(build)
     if not rooms:
-        print(f"{build} has no record of dependencies; expected a folder that Ninja has built")
+        print(f"{build} has no commands of sources; expected a folder that CMake has configured")
         return 1
     now = {room: summary(files) for room, files in sorted(rooms.items())}
     if "--keep" in sys.argv:

@@ -46,8 +46,8 @@ Object object_of(const std::vector<Eigen::Vector3d>& sample_m) {
   Object object;
   if (sample_m.size() < 4) throw Error(ErrorKind::input, {}, "too few points to find a face", "more, or a 'look_from'");
   for (int axis = 0; axis < 3; ++axis) {
-    object.low_m[axis] = quantile(sample_m, axis, kInner[0]);
-    object.high_m[axis] = quantile(sample_m, axis, kInner[1]);
+    object.low_m[axis] = coordinate_quantile(sample_m, axis, kInner[0]);
+    object.high_m[axis] = coordinate_quantile(sample_m, axis, kInner[1]);
   }
   const Eigen::Vector3d margin_m = Eigen::Vector3d::Constant(kMargin * object.size_m());
   object.low_m -= margin_m;

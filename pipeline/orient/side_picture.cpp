@@ -106,8 +106,8 @@ struct Box {
 Box box_of(const std::vector<Eigen::Vector3d>& points) {
   Box box;
   for (int axis = 0; axis < 3; ++axis) {
-    box.low[axis] = quantile(points, axis, kInner[0]);
-    box.high[axis] = quantile(points, axis, kInner[1]);
+    box.low[axis] = coordinate_quantile(points, axis, kInner[0]);
+    box.high[axis] = coordinate_quantile(points, axis, kInner[1]);
   }
   return box;
 }

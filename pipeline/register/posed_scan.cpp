@@ -47,8 +47,8 @@ Extent extent_of(const ScanSet& set, Progress& progress) {
   const std::vector<Eigen::Vector3d> points = sample.points();
   Extent extent;
   for (int axis = 0; axis < 3; ++axis) {
-    extent.low_m[axis] = quantile(points, axis, kInside);
-    extent.high_m[axis] = quantile(points, axis, 1.0 - kInside);
+    extent.low_m[axis] = coordinate_quantile(points, axis, kInside);
+    extent.high_m[axis] = coordinate_quantile(points, axis, 1.0 - kInside);
   }
   extent.middle_m = 0.5 * (extent.low_m + extent.high_m);
   extent.longest_m = (extent.high_m - extent.low_m).maxCoeff();

@@ -63,8 +63,8 @@ struct Spreads {
 Spreads spreads_of(const std::vector<Eigen::Vector3d>& sample) {
   Spreads result;
   for (int axis = 0; axis < 3; ++axis) {
-    const double low = quantile(sample, axis, 0.01);
-    const double high = quantile(sample, axis, 0.99);
+    const double low = coordinate_quantile(sample, axis, 0.01);
+    const double high = coordinate_quantile(sample, axis, 0.99);
     result.spread[static_cast<std::size_t>(axis)] = high - low;
     result.most[static_cast<std::size_t>(axis)] = std::max(std::abs(low), std::abs(high));
   }

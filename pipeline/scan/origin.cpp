@@ -65,7 +65,7 @@ std::vector<Eigen::Vector3f> PointSample::normals() const {
   return normals;
 }
 
-double quantile(const std::vector<Eigen::Vector3d>& points, int axis, double rank) {
+double coordinate_quantile(const std::vector<Eigen::Vector3d>& points, int axis, double rank) {
   std::vector<double> values;
   values.reserve(points.size());
   for (const Eigen::Vector3d& p : points) values.push_back(p[axis]);
@@ -76,7 +76,8 @@ double distance_by_extent(const std::vector<Eigen::Vector3d>& sample, std::uint6
   constexpr double kThinnest = 1e-3;  // of the longest side
   std::array<double, 3> side{};
   for (int axis = 0; axis < 3; ++axis)
-    side[static_cast<std::size_t>(axis)] = quantile(sample, axis, 0.99) - quantile(sample, axis, 0.01);
+    side[static_cast<std::size_t>(axis)] =
+        coordinate_quantile(sample, axis, 0.99) - coordinate_quantile(sample, axis, 0.01);
   std::sort(side.begin(), side.end());
   const double area = side[2] * std::max(side[1], kThinnest * side[2]);
   return std::sqrt(area / static_cast<double>(std::max<std::uint64_t>(1, points)));
@@ -86,7 +87,7 @@ Eigen::Vector3d common_origin(const PointSample& sample) {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   const std::vector<Eigen::Vector3d> points = sample.points();
   if (points.empty()) return origin;
-  for (int axis = 0; axis < 3; ++axis) origin[axis] = std::round(quantile(points, axis, 0.5)) + 0.0;
+  for (int axis = 0; axis < 3; ++axis) origin[axis] = std::round(coordinate_quantile(points, axis, 0.5)) + 0.0;
   return origin;
 }
 

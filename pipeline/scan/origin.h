@@ -63,7 +63,7 @@ class PointSample {
 };
 
 /// Coordinate of that rank (0 to 1) along an axis. There must be points.
-[[nodiscard]] double quantile(const std::vector<Eigen::Vector3d>& points, int axis, double rank);
+[[nodiscard]] double coordinate_quantile(const std::vector<Eigen::Vector3d>& points, int axis, double rank);
 
 /// Distance of `points` points that lie evenly on a surface as large as the sample's box without its outliers. There
 /// must be a sample.

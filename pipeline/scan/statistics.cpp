@@ -119,7 +119,8 @@ double median_spacing(const std::vector<Eigen::Vector3d>& points) {
   PointSample sample;
   for (const Eigen::Vector3d& p : points) sample.add(p);
   const std::vector<Eigen::Vector3d> some = sample.points();
-  const Eigen::Vector3d centre(quantile(some, 0, 0.5), quantile(some, 1, 0.5), quantile(some, 2, 0.5));
+  const Eigen::Vector3d centre(coordinate_quantile(some, 0, 0.5), coordinate_quantile(some, 1, 0.5),
+                               coordinate_quantile(some, 2, 0.5));
   auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   cloud->reserve(points.size());
   for (const Eigen::Vector3d& p : points) {

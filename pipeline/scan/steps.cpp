@@ -57,8 +57,8 @@ double common_step(const std::vector<double>& levels, double least, double round
 }
 
 Axis axis_of(const std::vector<Eigen::Vector3d>& sample, int axis, double least) {
-  const double low = quantile(sample, axis, 0.01);
-  const double high = quantile(sample, axis, 0.99);
+  const double low = coordinate_quantile(sample, axis, 0.01);
+  const double high = coordinate_quantile(sample, axis, 0.99);
   Axis result;
   for (const Eigen::Vector3d& p : sample) {
     if (p[axis] >= low - (high - low) && p[axis] <= high + (high - low)) result.levels.push_back(p[axis]);

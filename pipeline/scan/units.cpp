@@ -114,8 +114,8 @@ std::optional<UnitGuess> doubt_metres(const PointSample& sample) {
   Eigen::Vector3d low;
   Eigen::Vector3d high;
   for (int axis = 0; axis < 3; ++axis) {
-    low[axis] = quantile(points, axis, 0.01);
-    high[axis] = quantile(points, axis, 0.99);
+    low[axis] = coordinate_quantile(points, axis, 0.01);
+    high[axis] = coordinate_quantile(points, axis, 0.99);
   }
   return doubt_metres(low, high);
 }
@@ -131,8 +131,8 @@ ScanSize::ScanSize(std::string file, const std::vector<Eigen::Vector3d>& sample,
     : name(std::move(file)), has_unit(unit) {
   if (sample.empty()) return;
   for (int axis = 0; axis < 3; ++axis) {
-    low[axis] = quantile(sample, axis, 0.01);
-    high[axis] = quantile(sample, axis, 0.99);
+    low[axis] = coordinate_quantile(sample, axis, 0.01);
+    high[axis] = coordinate_quantile(sample, axis, 0.99);
   }
   apart = distance_by_extent(sample, points);
 }
