@@ -28,7 +28,8 @@ struct UprightBySymmetry {
 
 /// Of the directions in the one plane of symmetry the best by the sum of three: a human face upright in it; a foot that
 /// it stands on without falling over; what is customary, where that lies in the plane. The object may be turned as it
-/// likes, what is found is turned with it, custom aside. Empty where there is no plane of symmetry, or nothing in it tells.
+/// likes, what is found is turned with it, custom aside. Empty where there is no plane of symmetry, or nothing in it
+/// tells.
 [[nodiscard]] std::optional<UprightBySymmetry> upright_by_symmetry(const EvenPoints& object,
                                                                    const std::array<CustomaryUp, 2>& customs);
 

@@ -209,7 +209,8 @@ double LookedScan::away() const {
   const std::vector<Eigen::Vector3d> points = looked.sample.points();
   double farthest = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
-    for (const double rank : {0.01, 0.99}) farthest = std::max(farthest, std::abs(coordinate_quantile(points, axis, rank)));
+    for (const double rank : {0.01, 0.99})
+      farthest = std::max(farthest, std::abs(coordinate_quantile(points, axis, rank)));
   }
   return farthest;
 }

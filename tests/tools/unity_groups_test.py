@@ -5,7 +5,7 @@ import sys
 import tempfile
 
 GROUPS = pathlib.Path(__file__).resolve().parents[2] / "tools" / "unity-groups.py"
-HOLDS = """#include "base/a.h"
+HOLDS = """#include <vector>
 namespace sparsha {
 namespace {
 %s
