@@ -31,6 +31,14 @@ std::optional<std::vector<std::int64_t>> whole_numbers(std::string_view line, st
   return numbers;
 }
 
+/// The text; of what has no end of a line for long, which is no text of lines, a beginning: a reader looks for one in
+/// all of it.
+std::string_view lines_of(std::string_view text) {
+  constexpr std::size_t kLongestLine = 1 << 16;
+  const std::string_view beginning = text.substr(0, kLongestLine);
+  return beginning.find_first_of("\r\n") == std::string_view::npos ? beginning : text;
+}
+
 bool next_content(LineReader& lines, std::string_view& line) {
   while (lines.next(line)) {
     line = trimmed(line.substr(0, line.find('#')));
@@ -65,7 +73,7 @@ bool is_tecplot_mesh(std::string_view text) {
 
 bool is_iges(std::string_view text) {
   constexpr std::size_t kLetter = 72, kLength = 80;
-  LineReader lines(text);
+  LineReader lines(lines_of(text));
   std::string_view line;
   for (int seen = 0; seen < 2; ++seen) {
     if (!lines.next(line) || line.size() < kLetter + 2 || line.size() > kLength) return false;
@@ -80,7 +88,7 @@ bool is_iges(std::string_view text) {
 }
 
 bool is_dxf(std::string_view text) {
-  LineReader lines(text);
+  LineReader lines(lines_of(text));
   std::string_view code, value;
   for (int pairs = 0; pairs < 64; ++pairs) {
     if (!lines.next(code) || !lines.next(value)) return false;
@@ -91,7 +99,7 @@ bool is_dxf(std::string_view text) {
 }
 
 bool is_node_list(std::string_view text) {
-  LineReader lines(text);
+  LineReader lines(lines_of(text));
   std::string_view line;
   if (!next_content(lines, line)) return false;
   const auto counts = whole_numbers(line, 4);
@@ -122,7 +130,7 @@ bool is_node_list(std::string_view text) {
 
 bool is_element_list(std::string_view text) {
   constexpr std::int64_t kMostRows = 1000, kMostAttributes = 64;
-  LineReader lines(text);
+  LineReader lines(lines_of(text));
   std::string_view line;
   if (!next_content(lines, line)) return false;
   const auto counts = whole_numbers(line, 3);
@@ -154,7 +162,7 @@ bool is_pose_list(std::string_view text) {
   constexpr std::size_t kNumbers = 12;
   constexpr int kLooked = 100;
   constexpr double kRounding = 1e-3;
-  LineReader lines(text);
+  LineReader lines(lines_of(text));
   std::string_view line;
   int rows = 0;
   for (; rows < kLooked && next_content(lines, line); ++rows) {
@@ -179,7 +187,7 @@ bool is_pose_list(std::string_view text) {
 
 bool is_colmap_images(std::string_view text) {
   if (text.starts_with("# Image list with two lines of data per image")) return true;
-  LineReader lines(text);
+  LineReader lines(lines_of(text));
   std::string_view line;
   if (!next_content(lines, line)) return false;
   constexpr std::size_t kNumbers = 9;
