@@ -113,7 +113,7 @@ Found from_wkt(const Header& header) {
   for (const Record& record : header.records) {
     if (!record.is_reference(kWkt)) continue;
     const WktUnits wkt = parse_wkt_units(record.data);
-    const Found found{wkt.geographic, wkt.horizontal_m, wkt.vertical_m, 0, 0, {}};
+    Found found{wkt.geographic, wkt.horizontal_m, wkt.vertical_m, 0, 0, {}};
     if (found.tells()) return found;
   }
   return {};
