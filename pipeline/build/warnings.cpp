@@ -166,7 +166,8 @@ std::optional<std::string> doubt_of_mixed(double share) {
   if (!(share > 0.0)) return {};
   return fmt::format(
       "around: {:.2g} % of the surface or more are two layers that are taken for one: the faces of walls thinner than "
-      "2.3 point spacings, or scans that do not quite fit each other; the thickness of such a wall is not known, and what "
+      "2.3 point spacings, or scans that do not quite fit each other; the thickness of such a wall is not known, and "
+      "what "
       "closes it is made up; scan it with points closer together than a third of its thickness, or fit the scans with "
       "`sparsha register`",
       100.0 * share);
