@@ -51,7 +51,7 @@ std::uint64_t count_scattered(const RawPoints& points_m, ThreadPool& pool) try {
 
 std::uint64_t count_scattered(const std::vector<Eigen::Vector3d>& points, double unit_m, ThreadPool& pool) {
   if (points.empty()) return 0;
-  const Eigen::Vector3d near = points.front();
+  const Eigen::Vector3d& near = points.front();
   std::vector<float> xyz;
   xyz.reserve(3 * points.size());
   for (const Eigen::Vector3d& point : points) {
