@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -27,6 +28,7 @@ constexpr double kAsFar = 0.9;         // of the plan's reach in a direction
 constexpr double kWalled = 0.6;        // of the directions
 constexpr double kThings = 0.04;       // of the plan within the walls, over which things stand
 constexpr double kSurely = 0.04;       // of the height, that the middle of things lies beside the room's
+constexpr double kShown = 0.06;        // of things, see shown_outside()
 constexpr double kClearlyMore = 0.05;  // of the surface, that another direction's floor and ceiling have more than z's
 
 // Cells of a plan, row by row.
@@ -123,6 +125,25 @@ double walled(const EvenPoints& object, const Eigen::Vector3d& up, const std::ve
   return static_cast<double>(count) / static_cast<double>(kSectors);
 }
 
+// How well `things` are seen from outside: the share that the best side shows times that of a side on average. Half of
+// a solid is seen from its best side, a third or a fifth on average; a room's walls hide what is in it but for doors
+// and what was not scanned: 0.04 for a real room with many gaps, 0.08 and more for solids
+// (tests/pipeline/orient/room_test.cpp).
+double shown_outside(const EvenPoints& object, std::vector<Eigen::Vector3d> things) {
+  EvenPoints of_things = object;
+  of_things.points = std::move(things);
+  const std::vector<Eigen::Vector3d> sides = sides_all_around();
+  double most = 0.0;
+  double sum = 0.0;
+  for (const Eigen::Vector3d& side : sides) {
+    const Eigen::Vector3d up = side.unitOrthogonal();
+    const double share = seen_share(of_things, picture_from(object, side, up), side, up);
+    most = std::max(most, share);
+    sum += share;
+  }
+  return most * sum / static_cast<double>(sides.size());
+}
+
 std::optional<Room> room_along(const EvenPoints& object, const Eigen::Vector3d& up) {
   std::vector<double> heights(object.points.size());
   std::transform(object.points.begin(), object.points.end(), heights.begin(),
@@ -149,14 +170,17 @@ std::optional<Room> room_along(const EvenPoints& object, const Eigen::Vector3d& 
   const auto within = static_cast<double>(std::count(inside.begin(), inside.end(), true));
   std::vector<bool> occupied(inside.size());
   std::vector<double> things;
+  std::vector<Eigen::Vector3d> places;
   for (std::size_t i = 0; i < heights.size(); ++i) {
     const auto n = static_cast<std::size_t>(plan.cell[i]);
     if (!inside[n] || heights[i] < lowest || heights[i] > highest) continue;
     occupied[n] = true;
     things.push_back(heights[i]);
+    places.push_back(object.points[i]);
   }
   if (things.empty() || static_cast<double>(std::count(occupied.begin(), occupied.end(), true)) < kThings * within)
     return std::nullopt;
+  if (shown_outside(object, std::move(places)) > kShown) return std::nullopt;
   Room room{up, floor.covered, ceiling.covered, 0.0, false};
   const auto flat = std::count_if(heights.begin(), heights.end(), [&](double h) {
     return (h >= floor.low && h <= floor.low + thickness) || (h >= ceiling.low && h <= ceiling.low + thickness);

@@ -18,8 +18,9 @@ struct Room {
   bool by_things = false;  ///< what stands in it tells which of the two is the floor; else custom does
 };
 
-/// The direction between floor and ceiling, where both cover a good part of the plan walls stand around it, and things
-/// between them, away from the walls: a block, which looks the same otherwise, has nothing inside. Of directions along
+/// The direction between floor and ceiling, where both cover a good part of the plan, walls stand around it, and things
+/// between them, away from the walls, which no side from outside shows: a block, which looks the same otherwise, has
+/// nothing inside, and of any other solid half is seen from some side. Of directions along
 /// the axes of the scan and of `tilted` ones (unit, scan frame). Things lie nearer to the floor; where that tells
 /// nothing, up is towards the positive axis. Of several directions, the one whose floor and ceiling have most of the
 /// surface; where they are alike, z, since the frames of what scans rooms have z up by custom. So a corridor that is

@@ -235,6 +235,15 @@ SidePicture picture_from(const EvenPoints& object, const Eigen::Vector3d& look_f
   return picture;
 }
 
+std::vector<Eigen::Vector3d> sides_all_around() {
+  std::vector<Eigen::Vector3d> sides;
+  for (const int z : {-1, 0, 1})
+    for (const int y : {-1, 0, 1})
+      for (const int x : {-1, 0, 1})
+        if (x != 0 || y != 0 || z != 0) sides.push_back(Eigen::Vector3d(x, y, z).normalized());
+  return sides;
+}
+
 double seen_share(const EvenPoints& object, const SidePicture& picture, const Eigen::Vector3d& look_from,
                   const Eigen::Vector3d& up) {
   if (object.points.empty()) return 0.0;

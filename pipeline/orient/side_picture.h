@@ -33,6 +33,9 @@ struct SidePicture {
 [[nodiscard]] SidePicture picture_from(const EvenPoints& object, const Eigen::Vector3d& look_from,
                                        const Eigen::Vector3d& up);
 
+/// Where an object may be looked at from: unit directions to the 26 faces, edges and corners of a cube.
+[[nodiscard]] std::vector<Eigen::Vector3d> sides_all_around();
+
 /// Share of the points that no others hide from that side, 0 to 1: nearly 1 for what was scanned from there alone.
 [[nodiscard]] double seen_share(const EvenPoints& object, const SidePicture& picture, const Eigen::Vector3d& look_from,
                                 const Eigen::Vector3d& up);

@@ -38,10 +38,8 @@ std::vector<Eigen::Vector3d> tilted_bases(const EvenPoints& object) {
   for (std::size_t i = 0; i * step < object.points.size(); ++i) fewer.points[i] = object.points[i * step];
   fewer.points.resize((object.points.size() + step - 1) / step);
   std::vector<Eigen::Vector3d> bases;
-  for (int n = 0; n < 27; ++n) {
-    const Eigen::Vector3d start(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-    if (start.isZero()) continue;
-    const Eigen::Vector3d up = levelled(fewer, start.normalized());
+  for (const Eigen::Vector3d& start : sides_all_around()) {
+    const Eigen::Vector3d up = levelled(fewer, start);
     // Nearly along an axis it is that axis: feet and chins of statues that stand upright are level by chance only.
     if (up.cwiseAbs().maxCoeff() < std::cos(5.0 * std::numbers::pi / 180.0)) bases.push_back(up);
   }
