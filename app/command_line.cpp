@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include "app/terminal/terminal.h"
@@ -159,7 +160,13 @@ Run CommandLine::parse(int argc, char** argv) {
   try {
     app_->parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return [this, error] { return app_->exit(error); };  // --help, --version
+    if (error.get_exit_code() == 0)  // --help, --version
+      return [this, error] {
+        std::ostringstream text, none;
+        const int code = app_->exit(error, text, none);
+        print(text.str());
+        return code;
+      };
     const std::vector<std::string> arguments(argv + 1, argv + argc);
     return [message = usage_message(error, *app_, arguments)] {
       print_error(message);
