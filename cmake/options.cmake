@@ -11,8 +11,11 @@ endif()
 find_program(SPARSHA_CCACHE ccache)
 if(SPARSHA_IS_TOP_LEVEL AND SPARSHA_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${SPARSHA_CCACHE})
-  if(SPARSHA_PRECOMPILE)  # what ccache asks for to take precompiled headers: no macro of time stands in them
-    set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${SPARSHA_CCACHE})
+  if(SPARSHA_PRECOMPILE)
+    # What ccache asks for to take precompiled headers: no macro of time stands in them. It compares them by a checksum beside
+    # them (cmake/precompiled.cmake), and takes what a source includes from the compiler instead of preprocessing it first.
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_PCH_EXTSUM=true
+      CCACHE_DEPEND=true ${SPARSHA_CCACHE})
   endif()
 endif()
 
