@@ -98,6 +98,15 @@ if(NOT MSVC)
   set(SPARSHA_TEST_FLAGS $<$<CONFIG:Release>:-O1>)
 endif()
 
+# Test programs are linked by a faster linker where there is one; what is installed, by the default.
+include(CheckLinkerFlag)
+if(NOT MSVC AND NOT SPARSHA_SANITIZE)
+  check_linker_flag(CXX -fuse-ld=gold SPARSHA_HAS_GOLD)
+  if(SPARSHA_HAS_GOLD)
+    set(SPARSHA_TEST_LINKER -fuse-ld=gold)
+  endif()
+endif()
+
 # sparsha_support(name SOURCES ... LIBS ...): a library of what several test programs share, compiled once and as they are.
 function(sparsha_support name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBS" ${ARGN})
@@ -117,6 +126,7 @@ function(sparsha_test name)
   target_link_libraries(${name} PRIVATE sparsha_options ${ARG_LIBS} GTest::gmock GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   target_compile_options(${name} PRIVATE ${SPARSHA_TEST_FLAGS})
+  target_link_options(${name} PRIVATE ${SPARSHA_TEST_LINKER})
   if(COMMAND sparsha_precompiled)
     sparsha_precompiled(${name} sparsha_precompiled_tests)
     sparsha_unity(${name} ${ARG_SOURCES})
