@@ -229,37 +229,101 @@ NodeSet close_by_disc(const NodeSet& set, double diameter, ThreadPool& pool) {
   return without_margin(closed, margin, margin);
 }
 
-NodeSet fill_holes(const NodeSet& set) {
-  NodeSet outside(set.nx(), set.ny());
-  std::vector<std::pair<int, int>> pending;
-  const auto visit = [&](int i, int j) {
-    if (set.contains(i, j) || outside.contains(i, j)) return;
-    outside.insert(i, j);
-    pending.emplace_back(i, j);
+namespace {
+
+/// The nodes that ways along rows and columns reach from the lattice's border past a set, run by run.
+class Outside {
+ public:
+  explicit Outside(const NodeSet& set) : free_(set), reached_(set.nx(), set.ny()) { free_.invert(); }
+
+  NodeSet run() {
+    const int nx = free_.nx(), ny = free_.ny();
+    if (nx == 0 || ny == 0) return std::move(reached_);
+    for (int j = 0; j < ny; ++j) {
+      reach(0, j);
+      reach(nx - 1, j);
+    }
+    reach_runs(0, 0, nx);
+    reach_runs(ny - 1, 0, nx);
+    while (!pending_.empty()) {
+      const Run run = pending_.back();
+      pending_.pop_back();
+      if (run.j > 0) reach_runs(run.j - 1, run.first, run.end);
+      if (run.j + 1 < ny) reach_runs(run.j + 1, run.first, run.end);
+    }
+    return std::move(reached_);
+  }
+
+ private:
+  struct Run {
+    int j, first, end;  // nodes [first, end)
   };
-  for (int i = 0; i < set.nx(); ++i) {
-    visit(i, 0);
-    visit(i, set.ny() - 1);
+
+  /// The first node of row j from i on that is free, or not free; nx when there is none.
+  [[nodiscard]] int next(int i, int j, bool free) const {
+    const std::uint64_t* const words = free_.row(j);
+    for (int k = i >> 6; k < static_cast<int>(free_.words_per_row()); ++k) {
+      std::uint64_t word = free ? words[k] : ~words[k];
+      if (k == i >> 6) word &= ~std::uint64_t{0} << (i & 63);
+      if (word != 0) return std::min(free_.nx(), 64 * k + std::countr_zero(word));
+    }
+    return free_.nx();
   }
-  for (int j = 0; j < set.ny(); ++j) {
-    visit(0, j);
-    visit(set.nx() - 1, j);
+  /// The first node of the free run that ends with node i.
+  [[nodiscard]] int begin_of_run(int i, int j) const {
+    const std::uint64_t* const words = free_.row(j);
+    for (int k = i >> 6; k >= 0; --k) {
+      std::uint64_t word = ~words[k];
+      if (k == i >> 6) word &= ~std::uint64_t{0} >> (63 - (i & 63));
+      if (word != 0) return 64 * k + 64 - std::countl_zero(word);
+    }
+    return 0;
   }
-  while (!pending.empty()) {
-    const auto [i, j] = pending.back();
-    pending.pop_back();
-    if (i > 0) visit(i - 1, j);
-    if (i + 1 < set.nx()) visit(i + 1, j);
-    if (j > 0) visit(i, j - 1);
-    if (j + 1 < set.ny()) visit(i, j + 1);
+  /// The free run about a free node.
+  [[nodiscard]] Run run_about(int i, int j) const { return {j, begin_of_run(i, j), next(i, j, false)}; }
+
+  void reach(int i, int j) {
+    if (free_.contains(i, j) && !reached_.contains(i, j)) take(run_about(i, j));
   }
+  /// All free runs of row j that have a node among [first, end).
+  void reach_runs(int j, int first, int end) {
+    for (int i = next(first, j, true); i < end;) {
+      const Run run = run_about(i, j);
+      if (!reached_.contains(i, j)) take(run);
+      i = next(run.end, j, true);
+    }
+  }
+  void take(const Run& run) {
+    std::uint64_t* const words = reached_.row(run.j);
+    for (int k = run.first >> 6; k <= (run.end - 1) >> 6; ++k) {
+      std::uint64_t word = ~std::uint64_t{0};
+      if (k == run.first >> 6) word &= word << (run.first & 63);
+      if (k == (run.end - 1) >> 6) word &= ~std::uint64_t{0} >> (63 - ((run.end - 1) & 63));
+      words[k] |= word;
+    }
+    pending_.push_back(run);
+  }
+
+  NodeSet free_, reached_;
+  std::vector<Run> pending_;
+};
+
+}  // namespace
+
+NodeSet fill_holes(const NodeSet& set) {
+  NodeSet outside = Outside(set).run();
   outside.invert();
   return outside;
 }
 
+double outline_diameter(const scene::Lattice& lattice, double max_gap_m) {
+  constexpr double kLeast = 3.0;
+  return std::max(max_gap_m / lattice.spacing_m, kLeast);
+}
+
 NodeSet outline_nodes(const scene::DepthGrid& grid, double max_gap_m, ThreadPool& pool) {
-  const double diameter = std::max(max_gap_m / grid.lattice.spacing_m, 3.0);
-  return fill_holes(close_by_disc(nodes_of(grid, scene::NodeState::measured), diameter, pool));
+  const NodeSet measured = nodes_of(grid, scene::NodeState::measured);
+  return fill_holes(close_by_disc(measured, outline_diameter(grid.lattice, max_gap_m), pool));
 }
 
 }  // namespace sparsha::pipeline

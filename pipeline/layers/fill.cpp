@@ -82,13 +82,67 @@ struct Side {
   [[nodiscard]] bool holds(double dx, double dy, double z) const { return std::abs(z - plane.at(dx, dy)) <= tolerance; }
 };
 
+/// Weights 1/distance^2, less the farther and 0 from `reach` + 1 spacings on, by the offset in rows and columns. Gaps
+/// of many nodes ask for each of them many times.
+class FadingWeights {
+ public:
+  explicit FadingWeights(int reach) : reach_(reach), fade_(1.0 / ((reach + 1.0) * (reach + 1.0))) {
+    const auto side = static_cast<std::size_t>(reach) + 1;
+    if (side > kMostKept) return;
+    kept_.resize(side * side);
+    for (int dy = 0; dy <= reach; ++dy)
+      for (int dx = 0; dx <= reach; ++dx)
+        kept_[static_cast<std::size_t>(dy) * side + static_cast<std::size_t>(dx)] = weight(dx, dy);
+  }
+
+  /// Of nodes `dy` >= 0 rows away.
+  class Row {
+   public:
+    Row(const FadingWeights& all, int dy)
+        : all_(all), dy_(dy), reach_(static_cast<int>(std::sqrt(std::max(0.0, 1 / all.fade_ - 1.0 * dy * dy))) + 2) {
+      while (reach_ >= 0 && !(all.taper(reach_, dy) > 0)) --reach_;
+      reach_ = std::min(reach_, all.reach_);
+      if (!all.kept_.empty())
+        kept_ = all.kept_.data() + static_cast<std::size_t>(dy) * (static_cast<std::size_t>(all.reach_) + 1);
+    }
+    /// The last column with a weight.
+    [[nodiscard]] int reach() const { return reach_; }
+    /// `dx` columns away, 0 to reach().
+    [[nodiscard]] double at(int dx) const { return kept_ != nullptr ? kept_[dx] : all_.weight(dx, dy_); }
+
+   private:
+    const FadingWeights& all_;
+    const double* kept_ = nullptr;
+    int dy_, reach_;
+  };
+  [[nodiscard]] Row row(int dy) const { return {*this, dy}; }
+
+ private:
+  static constexpr std::size_t kMostKept = 700;  // nodes a side
+
+  [[nodiscard]] static double squared(double dx, double dy) { return dx * dx + dy * dy; }
+  [[nodiscard]] double taper(double dx, double dy) const { return 1 - squared(dx, dy) * fade_; }
+  [[nodiscard]] double weight(double dx, double dy) const {
+    const double fading = taper(dx, dy);
+    return fading * fading / squared(dx, dy);
+  }
+
+  int reach_;
+  double fade_;
+  std::vector<double> kept_;
+};
+
 class Filler {
  public:
   Filler(const scene::DepthGrid& grid, double radius, double step_m)
-      : grid_(grid), step_m_(step_m), reach_(static_cast<int>(2 * radius) + kRimWidth), rim_(0, 0) {
+      : grid_(grid), step_m_(step_m), reach_(static_cast<int>(2 * radius) + kRimWidth), weights_(reach_), rim_(0, 0) {
+    const int longest = std::min(reach_, grid.lattice.nx + grid.lattice.ny);  // farther on a ray is outside
     for (int k = 0; k < kRays; ++k) {
       const double angle = 2 * std::numbers::pi * k / kRays;
-      directions_[static_cast<std::size_t>(k)] = {std::cos(angle), std::sin(angle)};
+      const double cosine = std::cos(angle), sine = std::sin(angle);
+      std::vector<Step>& ray = rays_[static_cast<std::size_t>(k)];
+      for (int t = 1; t <= longest; ++t)
+        ray.push_back({static_cast<int>(std::lround(t * cosine)), static_cast<int>(std::lround(t * sine))});
     }
   }
 
@@ -109,6 +163,10 @@ class Filler {
   }
 
  private:
+  struct Step {
+    int di, dj;
+  };
+
   [[nodiscard]] bool inside(int i, int j) const {
     return i >= 0 && j >= 0 && i < grid_.lattice.nx && j < grid_.lattice.ny;
   }
@@ -116,9 +174,8 @@ class Filler {
   /// First measured node along each ray: the border of the gap as this node sees it.
   void border(int i, int j, std::vector<Hit>& hits) const {
     hits.clear();
-    for (const auto& [cosine, sine] : directions_) {
-      for (int t = 1; t <= reach_; ++t) {
-        const int di = static_cast<int>(std::lround(t * cosine)), dj = static_cast<int>(std::lround(t * sine));
+    for (const std::vector<Step>& ray : rays_) {
+      for (const auto& [di, dj] : ray) {
         if (!inside(i + di, j + dj)) break;
         const std::size_t n = grid_.lattice.index(i + di, j + dj);
         if (grid_.state[n] != scene::NodeState::measured) continue;
@@ -172,29 +229,26 @@ class Filler {
   /// Measured nodes of the rim within reach whose heights belong to `side`, weighted by 1/distance^2 and fading to 0.
   void gather(int i, int j, const Side& side, std::vector<Support>& support) const {
     support.clear();
-    const double fade = 1.0 / ((reach_ + 1.0) * (reach_ + 1.0));
-    const int i0 = std::max(0, i - reach_), i1 = std::min(grid_.lattice.nx - 1, i + reach_);
+    const bool all = std::isinf(side.tolerance);
     const int j0 = std::max(0, j - reach_), j1 = std::min(grid_.lattice.ny - 1, j + reach_);
     for (int y = j0; y <= j1; ++y) {
-      const std::uint64_t* words = rim_.row(y);
-      for (int k = i0 >> 6; k <= i1 >> 6; ++k) {
-        for (std::uint64_t word = words[k]; word != 0; word &= word - 1) {
-          const int x = k * 64 + std::countr_zero(word);
-          if (x < i0 || x > i1) continue;
-          const double dx = x - i, dy = y - j, squared = dx * dx + dy * dy;
-          const double taper = 1 - squared * fade;
-          const double z = grid_.height_m[grid_.lattice.index(x, y)];
-          if (taper > 0 && side.holds(dx, dy, z)) support.push_back({dx, dy, z, taper * taper / squared});
-        }
-      }
+      const FadingWeights::Row weights = weights_.row(std::abs(y - j));
+      const int i0 = std::max(0, i - weights.reach()), i1 = std::min(grid_.lattice.nx - 1, i + weights.reach());
+      const float* const heights = grid_.height_m.data() + grid_.lattice.index(0, y);
+      const double dy = y - j;
+      rim_.for_each_in_row(y, i0, i1 + 1, [&](int x) {
+        const double dx = x - i, z = heights[x];
+        if (all || side.holds(dx, dy, z)) support.push_back({dx, dy, z, weights.at(std::abs(x - i))});
+      });
     }
   }
 
   const scene::DepthGrid& grid_;
   double step_m_;
   int reach_;
+  FadingWeights weights_;
   NodeSet rim_;
-  std::array<std::array<double, 2>, kRays> directions_{};
+  std::array<std::vector<Step>, kRays> rays_;  // of each the nodes from the gap node outwards
 };
 
 NodeSet intersection(const NodeSet& a, const NodeSet& b) {
@@ -212,25 +266,26 @@ void fill_gaps(scene::DepthGrid& grid, const scene::FillConfig& config, double s
   const NodeSet measured = nodes_of(grid, scene::NodeState::measured);
   // A small disc closes what a larger one may not (its own pixels differ), hence the explicit intersection.
   const NodeSet closed = close_by_disc(measured, diameter, pool);
-  const NodeSet inside = intersection(closed, outline_nodes(grid, config.max_gap_m, pool));
-  NodeSet gaps = intersection(inside, nodes_of(grid, scene::NodeState::unknown));
+  const bool closes_outline = diameter == outline_diameter(grid.lattice, config.max_gap_m);
+  const NodeSet outline = closes_outline ? fill_holes(closed) : outline_nodes(grid, config.max_gap_m, pool);
+  const NodeSet gaps = intersection(intersection(closed, outline), nodes_of(grid, scene::NodeState::unknown));
   if (gaps.count() == 0) return;
 
   Filler filler(grid, diameter / 2, step_m);
   filler.set_rim(intersection(dilate_by_disc(gaps, kRimWidth, pool), measured));
-  std::vector<float> height(grid.height_m);
+  // Heights of measured nodes decide, so that those of the gaps may be written beside them.
   pool.for_ranges(static_cast<std::size_t>(grid.lattice.ny), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
     Filler::Scratch scratch;
     for (int j = static_cast<int>(begin); j < static_cast<int>(end); ++j)
-      for (int i = 0; i < grid.lattice.nx; ++i)
-        if (gaps.contains(i, j)) height[grid.lattice.index(i, j)] = static_cast<float>(filler.height(i, j, scratch));
+      gaps.for_each_in_row(j, 0, grid.lattice.nx, [&](int i) {
+        grid.height_m[grid.lattice.index(i, j)] = static_cast<float>(filler.height(i, j, scratch));
+      });
   });
   for (int j = 0; j < grid.lattice.ny; ++j)
-    for (int i = 0; i < grid.lattice.nx; ++i) {
+    gaps.for_each_in_row(j, 0, grid.lattice.nx, [&](int i) {
       const std::size_t n = grid.lattice.index(i, j);
-      if (gaps.contains(i, j) && !std::isnan(height[n])) grid.state[n] = scene::NodeState::filled;
-    }
-  grid.height_m = std::move(height);
+      if (!std::isnan(grid.height_m[n])) grid.state[n] = scene::NodeState::filled;
+    });
 }
 
 }  // namespace sparsha::pipeline

@@ -7,9 +7,12 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "pipeline/layers/closing.h"
 #include "pipeline/layers/layers.h"
+#include "tests/support/allocations.h"
 #include "tests/support/grids.h"
 
 namespace sparsha::pipeline {
@@ -130,6 +133,48 @@ TEST(Outline, EnclosesHolesButNoBays) {
   EXPECT_TRUE(outline.contains(30, 30));
   EXPECT_FALSE(outline.contains(30, 2));
   EXPECT_TRUE(outline.contains(5, 2));
+}
+
+TEST(Outline, EnclosesWhatNoWayFromOutsideReaches) {
+  std::mt19937 random(23);
+  for (const auto& [nx, ny] : {std::pair{1, 1}, {1, 9}, {64, 3}, {65, 40}, {128, 30}, {200, 61}}) {
+    for (const unsigned one_in : {2U, 3U, 9U}) {
+      NodeSet set(nx, ny);
+      for (int j = 0; j < ny; ++j)
+        for (int i = 0; i < nx; ++i)
+          if (random() % one_in == 0) set.insert(i, j);
+      // Outside is what has a neighbour outside, until nothing changes.
+      const auto at = [nx = nx](int i, int j) { return static_cast<std::size_t>(j * nx + i); };
+      std::vector<bool> outside(static_cast<std::size_t>(nx * ny));
+      for (bool changed = true; std::exchange(changed, false);) {
+        for (int j = 0; j < ny; ++j)
+          for (int i = 0; i < nx; ++i) {
+            if (set.contains(i, j) || outside[at(i, j)]) continue;
+            if (i > 0 && j > 0 && i + 1 < nx && j + 1 < ny && !outside[at(i - 1, j)] && !outside[at(i + 1, j)] &&
+                !outside[at(i, j - 1)] && !outside[at(i, j + 1)])
+              continue;
+            outside[at(i, j)] = changed = true;
+          }
+      }
+      const NodeSet filled = fill_holes(set);
+      for (int j = 0; j < ny; ++j)
+        for (int i = 0; i < nx; ++i)
+          ASSERT_EQ(filled.contains(i, j), !outside[at(i, j)]) << nx << " x " << ny << ", node " << i << ' ' << j;
+    }
+  }
+}
+
+TEST(Fill, TakesLessThanTwoBytesANodeHoweverMuchIsUnknown) {
+  scene::DepthGrid grid = grid_of(lattice_of(1200, 1000, 0.001), [](double x, double y) { return x + 0.3 * y; });
+  for (int j = 0; j < 1000; ++j)
+    for (int i = 0; i < 1200; ++i)
+      if (std::hypot(i - 600, j - 500) > 300 || std::hypot(i - 600, j - 500) < 4) forget(grid, i, j);
+  ThreadPool pool(1);
+  allocations::begin_most();
+  const std::size_t before = allocations::held();
+  fill_gaps(grid, {0.02}, kNoStep, pool);
+  EXPECT_EQ(grid.state[grid.lattice.index(600, 500)], scene::NodeState::filled);
+  EXPECT_LT(allocations::most_held() - before, 2 * grid.lattice.count());
 }
 
 TEST(Fill, FillsGapsUpToTheGivenWidthOnly) {
