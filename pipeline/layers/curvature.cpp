@@ -21,7 +21,8 @@ namespace {
 
 constexpr double kReach = 2.5;        // scales; where the fit's Gaussian window ends
 constexpr double kBorderWider = 1.5;  // scales; of the Gaussian that the texture goes on with beyond the lattice
-constexpr std::size_t kRowsPerPiece = 48;
+constexpr int kLeastRows = 48;        // of a piece; it looks at `radius` rows more on either side
+constexpr int kLeastColumns = 512;    // so that a piece's memory does not depend on the lattice
 
 /// The fit as 1-D filters: least squares with weights w(x) w(y) and basis 1, x, y, x^2, xy, y^2 separates, because 1, x
 /// and x^2 - m2 are orthogonal under w.
@@ -98,57 +99,95 @@ NoiseGain noise_gain(const Filter& filter, double sigma) {
   return {bend, bend, twist, covariance};
 }
 
-/// Texture that goes on beyond the lattice; NaN where a height is unknown or beside a step, so that every window that
-/// touches one yields NaN.
+/// Nodes [first, last) along an axis.
+struct Range {
+  int first, last;
+  [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(last - first); }
+};
+
+/// Some columns of the texture, which goes on beyond the lattice; NaN where a height is unknown or beside a step, so
+/// that every window that touches one yields NaN.
 class WholeTexture {
  public:
   WholeTexture(const scene::DepthGrid& grid, const TextureView& texture, const SurfaceLinks& links,
-               const BorderExtension& border, int margin)
-      : lattice_(grid.lattice), texture_(texture), links_(links), border_(border), margin_(margin) {}
+               const BorderExtension& border, Range columns, int margin)
+      : lattice_(grid.lattice),
+        texture_(texture),
+        links_(links),
+        border_(border),
+        columns_{columns.first - margin, columns.last + margin},
+        inside_{std::max(0, columns_.first), std::min(lattice_.nx, columns_.last)} {
+    // What lies beyond a border is made of the nodes next to it.
+    if (columns_.first < 0) inside_.last = std::max(inside_.last, std::min(lattice_.nx, border.nodes()));
+    if (columns_.last > lattice_.nx) inside_.first = std::min(inside_.first, std::max(0, lattice_.nx - border.nodes()));
+  }
 
-  /// Row j, from -margin to ny + margin, into `row`, from -margin to nx + margin.
+  /// Row j, from margin rows below the lattice to as many above it, into as many floats as the columns and a margin on
+  /// both sides.
   void read(int j, float* row) {
     const int ny = lattice_.ny;
     if (j >= 0 && j < ny) return read_inside(j, row);
-    const std::size_t width = static_cast<std::size_t>(lattice_.nx + 2 * margin_);
-    if (ny < border_.nodes()) return static_cast<void>(std::fill_n(row, width, scene::kUnknownHeight));
-    const float* weights = border_.weights(j < 0 ? -j : j - ny + 1);
-    std::fill_n(row, width, 0.0F);
-    inner_.resize(width);
-    for (int m = 0; m < border_.nodes(); ++m) {
-      read_inside(j < 0 ? m : ny - 1 - m, inner_.data());
-      for (std::size_t k = 0; k < width; ++k) row[k] += weights[m] * inner_[k];
-    }
+    if (ny < border_.nodes()) return static_cast<void>(std::fill_n(row, columns_.size(), scene::kUnknownHeight));
+    const float* const weights = border_.weights(j < 0 ? -j : j - ny + 1);
+    read_border(j < 0 ? Border::low : Border::high);
+    std::fill_n(row, columns_.size(), 0.0F);
+    const float* of_row = border_rows_.data();
+    for (int m = 0; m < border_.nodes(); ++m, of_row += columns_.size())
+      for (std::size_t k = 0; k < columns_.size(); ++k) row[k] += weights[m] * of_row[k];
   }
 
  private:
+  enum class Border : std::uint8_t { none, low, high };
+
+  /// The rows that the lattice goes on from, kept while it goes on from them.
+  void read_border(Border border) {
+    if (border_ready_ == border) return;
+    border_rows_.resize(static_cast<std::size_t>(border_.nodes()) * columns_.size());
+    for (int m = 0; m < border_.nodes(); ++m)
+      read_inside(border == Border::low ? m : lattice_.ny - 1 - m,
+                  border_rows_.data() + static_cast<std::size_t>(m) * columns_.size());
+    border_ready_ = border;
+  }
+
   void read_inside(int j, float* row) {
     const int nx = lattice_.nx;
-    float* out = row + margin_;
-    const std::size_t first = lattice_.index(0, j);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(nx); ++i) out[i] = texture_.at(first + i);
+    nodes_.resize(inside_.size());
+    const std::size_t first = lattice_.index(inside_.first, j);
+    for (std::size_t i = 0; i < nodes_.size(); ++i) nodes_[i] = texture_.at(first + i);
+    leave_out_loose(j);
+    const Range own{std::max(0, columns_.first), std::min(nx, columns_.last)};
+    std::copy_n(nodes_.data() + (own.first - inside_.first), own.size(), row + (own.first - columns_.first));
+    for (int i = columns_.first; i < 0; ++i) *row++ = beyond(-i, nodes_.data(), 1);
+    row += own.size();
+    for (int i = nx; i < columns_.last; ++i) *row++ = beyond(i - nx + 1, nodes_.data() + nodes_.size() - 1, -1);
+  }
+  void leave_out_loose(int j) {
     links_.loose_nodes(j, loose_);
-    for (std::size_t w = 0; w < loose_.size(); ++w)
-      for (std::uint64_t nodes = loose_[w]; nodes != 0; nodes &= nodes - 1)
-        out[64 * w + static_cast<std::size_t>(std::countr_zero(nodes))] = scene::kUnknownHeight;
-    for (int k = 1; k <= margin_; ++k) {
-      float low = nx < border_.nodes() ? scene::kUnknownHeight : 0.0F, high = low;
-      for (int m = 0; m < std::min(nx, border_.nodes()); ++m) {
-        low += border_.weights(k)[m] * out[m];
-        high += border_.weights(k)[m] * out[nx - 1 - m];
+    for (auto w = static_cast<std::size_t>(inside_.first / 64); w < loose_.size(); ++w) {
+      for (std::uint64_t left = loose_[w]; left != 0; left &= left - 1) {
+        const int i = static_cast<int>(64 * w) + std::countr_zero(left);
+        if (i >= inside_.last) return;
+        if (i >= inside_.first) nodes_[static_cast<std::size_t>(i - inside_.first)] = scene::kUnknownHeight;
       }
-      out[-k] = low;
-      out[nx - 1 + k] = high;
     }
+  }
+  /// `k` columns beyond a border at the node `last`, from which on `inwards` leads to the others.
+  [[nodiscard]] float beyond(int k, const float* last, std::ptrdiff_t inwards) const {
+    if (lattice_.nx < border_.nodes()) return scene::kUnknownHeight;
+    const float* const weights = border_.weights(k);
+    float sum = 0.0F;
+    for (int m = 0; m < border_.nodes(); ++m, last += inwards) sum += weights[m] * *last;
+    return sum;
   }
 
   const scene::Lattice& lattice_;
   const TextureView& texture_;
   const SurfaceLinks& links_;
   const BorderExtension& border_;
-  int margin_;
+  Range columns_, inside_;  // with margins; of the lattice's, those that are read
+  Border border_ready_ = Border::none;
   std::vector<std::uint64_t> loose_;
-  std::vector<float> inner_;
+  std::vector<float> nodes_, border_rows_;
 };
 
 /// What unit white noise becomes in the derivatives near the lattice's border, by the distances of a node from it.
@@ -254,31 +293,34 @@ CurvatureMap texture_curvature(const scene::DepthGrid& grid, const std::vector<f
     return Noise{mean_2, 2 * mean_2 - noise.rms_2 * own.rms() / whole.rms(), 0.0};
   };
 
-  const auto width = static_cast<std::size_t>(nx);
   const int r = filter.radius;
   const BorderExtension border(kBorderWider * scale, r);
   const BorderNoise border_noise(filter, border);
-  pool.for_ranges(static_cast<std::size_t>(ny), kRowsPerPiece, [&](std::size_t begin, std::size_t end) {
-    const std::size_t rows = end - begin + 2 * static_cast<std::size_t>(r);
+  const int most_rows = std::min(std::max(kLeastRows, 2 * r), ny),
+            most_columns = std::min(std::max(kLeastColumns, 2 * r), nx);
+  const int across = (nx + most_columns - 1) / most_columns, along = (ny + most_rows - 1) / most_rows;
+  const auto measure = [&](Range columns, Range rows) {
+    const std::size_t width = columns.size();
+    const std::size_t seen_rows = rows.size() + 2 * static_cast<std::size_t>(r);
     std::vector<float> row(width + 2 * static_cast<std::size_t>(r));
-    std::vector<float> value(rows * width), slope(rows * width), bend(rows * width), results(5 * width);
-    WholeTexture whole_texture(grid, texture, links, border, r);
-    for (std::size_t k = 0; k < rows; ++k) {
-      whole_texture.read(std::min(static_cast<int>(begin + k) - r, ny - 1 + r), row.data());
+    std::vector<float> value(seen_rows * width), slope(seen_rows * width), bend(seen_rows * width), results(5 * width);
+    WholeTexture whole_texture(grid, texture, links, border, columns, r);
+    for (std::size_t k = 0; k < seen_rows; ++k) {
+      whole_texture.read(rows.first + static_cast<int>(k) - r, row.data());
       kernels.along(view, row.data() + r, width, value.data() + k * width, slope.data() + k * width,
                     bend.data() + k * width);
     }
     const std::array<float*, 5> out = {results.data(), results.data() + width, results.data() + 2 * width,
                                        results.data() + 3 * width, results.data() + 4 * width};
     OwnLayerFit fit = layer_fit;
-    for (std::size_t j = begin; j < end; ++j) {
-      const std::size_t start = (j - begin + static_cast<std::size_t>(r)) * width;
+    for (int y = rows.first; y < rows.last; ++y) {
+      const std::size_t start = static_cast<std::size_t>(y - rows.first + r) * width;
       kernels.across(view, value.data() + start, slope.data() + start, bend.data() + start,
                      static_cast<std::ptrdiff_t>(width), width, out.data());
-      const int y = static_cast<int>(j), from_y = std::min(y, ny - 1 - y);
+      const int from_y = std::min(y, ny - 1 - y);
       for (std::size_t i = 0; i < width; ++i) {
-        const std::size_t n = j * width + i;
-        const int x = static_cast<int>(i), from_x = std::min(x, nx - 1 - x);
+        const int x = columns.first + static_cast<int>(i), from_x = std::min(x, nx - 1 - x);
+        const std::size_t n = grid.lattice.index(x, y);
         Derivatives d{out[0][i], out[1][i], out[2][i], out[3][i], out[4][i]};
         NoiseGain own;
         if (!std::isnan(d.h_xx)) {
@@ -290,7 +332,14 @@ CurvatureMap texture_curvature(const scene::DepthGrid& grid, const std::vector<f
         }
       }
     }
-  });
+  };
+  pool.for_ranges(static_cast<std::size_t>(across) * static_cast<std::size_t>(along), 1,
+                  [&](std::size_t begin, std::size_t end) {
+                    for (int piece = static_cast<int>(begin); piece < static_cast<int>(end); ++piece) {
+                      const int left = piece % across * most_columns, bottom = piece / across * most_rows;
+                      measure({left, std::min(nx, left + most_columns)}, {bottom, std::min(ny, bottom + most_rows)});
+                    }
+                  });
   map.percentile_95_per_m = curvature_percentile(grid, map.rms_per_m, links, filter.radius, step_m);
   return map;
 }

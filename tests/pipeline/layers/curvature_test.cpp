@@ -7,6 +7,7 @@
 
 #include "pipeline/layers/curvature_kernel.h"
 #include "pipeline/layers/layers.h"
+#include "tests/support/allocations.h"
 #include "tests/support/grids.h"
 
 namespace sparsha::pipeline {
@@ -208,6 +209,50 @@ TEST(FrictionSlope, LeavesAFlatNoisyPlaneSmooth) {
     for (const float k : map.rms_per_m) mean += c * k / static_cast<double>(map.rms_per_m.size());
     EXPECT_LT(mean, 0.02 * (config.mu_max - config.mu_0)) << "noise " << noise;
   }
+}
+
+TEST(Curvature, HasTheSameBitsInAPartOfTheLattice) {
+  // Wider and higher than what is measured at once, from other columns and rows on.
+  scene::DepthGrid grid =
+      grid_of(lattice_of(1300, 300, 0.001), [](double x, double y) { return 0.01 * std::sin(90 * x + 40 * y); });
+  add_noise(grid, 1e-4, 29);
+  constexpr int kLeft = 101, kBottom = 37, kWidth = 1100, kHeight = 230;
+  scene::DepthGrid part(lattice_of(kWidth, kHeight, 0.001));
+  for (int j = 0; j < kHeight; ++j)
+    for (int i = 0; i < kWidth; ++i) {
+      part.height_m[part.lattice.index(i, j)] = grid.height_m[grid.lattice.index(i + kLeft, j + kBottom)];
+      part.state[part.lattice.index(i, j)] = scene::NodeState::measured;
+    }
+  ThreadPool pool(2);
+  constexpr double kScale_m = 0.006;
+  constexpr int kReach = 15;  // 2.5 scales
+  const CurvatureMap whole =
+      texture_curvature(grid, std::vector<float>(grid.lattice.count()), kScale_m, 1e-4, kNoStep, pool);
+  const CurvatureMap of_part =
+      texture_curvature(part, std::vector<float>(part.lattice.count()), kScale_m, 1e-4, kNoStep, pool);
+  for (int j = kReach; j < kHeight - kReach; ++j)
+    for (int i = kReach; i < kWidth - kReach; ++i) {
+      const std::size_t a = part.lattice.index(i, j), b = grid.lattice.index(i + kLeft, j + kBottom);
+      ASSERT_EQ(of_part.rms_per_m[a], whole.rms_per_m[b]) << i << ' ' << j;
+      ASSERT_EQ(of_part.gaussian_per_m2[a], whole.gaussian_per_m2[b]) << i << ' ' << j;
+    }
+}
+
+TEST(Curvature, TakesNoMoreMemoryANodeOnAWideLattice) {
+  ThreadPool pool(1);
+  const auto bytes_per_node = [&](int nx, int ny) {
+    const scene::DepthGrid grid = grid_of(lattice_of(nx, ny, 0.001), [](double x, double y) { return 0.1 * x * y; });
+    const std::vector<float> envelope_m(grid.lattice.count());
+    allocations::begin_most();
+    const std::size_t before = allocations::held();
+    const CurvatureMap map = texture_curvature(grid, envelope_m, 0.012, 0.0, kNoStep, pool);
+    EXPECT_FALSE(map.rms_per_m.empty());
+    return static_cast<double>(allocations::most_held() - before) / static_cast<double>(grid.lattice.count());
+  };
+  // Three curvatures, a list of which percentiles are taken, bits, and the filtered rows of a piece.
+  const double square = bytes_per_node(500, 500), wide = bytes_per_node(5000, 50);
+  EXPECT_LT(wide, 1.5 * square);
+  EXPECT_LT(wide, 25.0);
 }
 
 TEST(CurvatureKernel, GivesTheSameBitsInPortableAndVectorCode) {
