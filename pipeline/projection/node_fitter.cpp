@@ -77,8 +77,7 @@ double kernel_radius(double spacing, std::size_t points, double window_area) {
 
 double least_kernel_radius() { return kRadius * kNarrowest; }
 
-std::size_t NodeFitter::count_window(int i, int j, int reach) {
-  ++windows_counted_;
+std::size_t NodeFitter::count_window(int i, int j, int reach) const {
   const BinLattice& lattice = bins_.lattice;
   const int i0 = std::max(i - reach, -BinLattice::kMargin);
   const int i1 = std::min(i + reach, lattice.nx - 1 + BinLattice::kMargin);
@@ -87,20 +86,6 @@ std::size_t NodeFitter::count_window(int i, int j, int reach) {
   std::size_t count = 0;
   for (int b = j0; b <= j1; ++b) count += bins_.start[lattice.bin(i1, b) + 1] - bins_.start[lattice.bin(i0, b)];
   return count;
-}
-
-// The smallest window of at least that reach that has points enough for a safe decision, or the widest. Neighbours need
-// windows alike: the search begins at the one that was found last.
-NodeFitter::Window NodeFitter::least_window(int i, int j, int least_reach) {
-  Window window = counted(i, j, std::clamp(last_reach_, least_reach, rule_.widest_window));
-  while (window.count < kSafe && window.reach < rule_.widest_window) window = counted(i, j, window.reach + 1);
-  while (window.reach > least_reach) {
-    const Window smaller = counted(i, j, window.reach - 1);
-    if (smaller.count < kSafe) break;
-    window = smaller;
-  }
-  last_reach_ = window.reach;
-  return window;
 }
 
 bool NodeFitter::misses_thin_front(int i, int j, float above_m) const {
@@ -116,8 +101,7 @@ bool NodeFitter::misses_thin_front(int i, int j, float above_m) const {
   return above > 0 && above < least_support(count);
 }
 
-void NodeFitter::gather(const Window& window, int i, int j) {
-  const int reach = window.reach;
+void NodeFitter::gather(int i, int j, int reach) {
   const BinLattice& lattice = bins_.lattice;
   const int i0 = std::max(i - reach, -BinLattice::kMargin);
   const int i1 = std::min(i + reach, lattice.nx - 1 + BinLattice::kMargin);
@@ -126,12 +110,11 @@ void NodeFitter::gather(const Window& window, int i, int j) {
   const auto x = static_cast<float>(lattice.x0_m + i * lattice.spacing_m);
   const auto y = static_cast<float>(lattice.y0_m + j * lattice.spacing_m);
   const auto per_m = static_cast<float>(1.0 / lattice.spacing_m);
-  gathered_.resize(window.count);
-  NodePoint* to = gathered_.data();
+  gathered_.clear();
   for (int b = j0; b <= j1; ++b) {
     const std::size_t end = bins_.start[lattice.bin(i1, b) + 1];
     for (std::size_t k = bins_.start[lattice.bin(i0, b)]; k < end; ++k) {
-      *to++ = {bins_.z[k], (bins_.x[k] - x) * per_m, (bins_.y[k] - y) * per_m};
+      gathered_.push_back({bins_.z[k], (bins_.x[k] - x) * per_m, (bins_.y[k] - y) * per_m});
     }
   }
 }
@@ -215,43 +198,24 @@ void NodeFitter::split_along_best_slope(Slope plain_fit, double total_spacing_m)
   split_layers(candidates[best], best == 0 ? plain_gap : narrow);
 }
 
-// Spacing of the points in the window of `near` nodes about a node, in nodes. Of the nodes in a row of windows most
-// have the same neighbours, so that what was found is kept for some rows.
-float NodeFitter::spacing_around(int i, int j, int near) {
-  const auto nx = static_cast<std::size_t>(bins_.lattice.nx);
-  if (spacings_.size() <= static_cast<std::size_t>(near)) spacings_.resize(static_cast<std::size_t>(near) + 1);
-  SpacingRows& known = spacings_[static_cast<std::size_t>(near)];
-  if (known.spacing.empty()) {
-    known.row.fill(-1);
-    known.spacing.resize(kSpacingRows * nx);
-  }
-  const std::size_t slot = static_cast<std::size_t>(j) % kSpacingRows;
-  float* const of_row = known.spacing.data() + slot * nx;
-  if (known.row[slot] != j) {
-    std::fill_n(of_row, nx, 0.0F);
-    known.row[slot] = j;
-  }
-  float& spacing = of_row[i];
-  if (spacing == 0.0F) {
-    const double area = static_cast<double>((2 * near + 1) * (2 * near + 1));
-    const std::size_t count = std::max<std::size_t>(1, count_window(i, j, near));
-    spacing = static_cast<float>(std::sqrt(area / static_cast<double>(count)));
-  }
-  return spacing;
-}
-
 // Local spacing of a layer's points, in nodes: from the density around the points, not around the node, so that the
 // inside of a hole does not pass for a sparse cloud.
 double NodeFitter::point_spacing(int i, int j, int reach, const Layer& layer) {
   if (reach == 1) return 1.0;
-  const BinLattice& lattice = bins_.lattice;
   const int near = (reach + 1) / 2;
+  const int side = 2 * reach + 1;
+  const double area = static_cast<double>((2 * near + 1) * (2 * near + 1));
   double sum = 0.0;
   for (const NodePoint& p : points_of(layer)) {
     const int a = std::clamp(static_cast<int>(std::floor(p.u + 0.5F)), -reach, reach);
     const int b = std::clamp(static_cast<int>(std::floor(p.v + 0.5F)), -reach, reach);
-    const float spacing =
-        spacing_around(std::clamp(i + a, 0, lattice.nx - 1), std::clamp(j + b, 0, lattice.ny - 1), near);
+    float& spacing = spacing_of_bin_[static_cast<std::size_t>((b + reach) * side + a + reach)];
+    if (spacing == 0.0F) {
+      const int bin_i = std::clamp(i + a, 0, bins_.lattice.nx - 1);
+      const int bin_j = std::clamp(j + b, 0, bins_.lattice.ny - 1);
+      const std::size_t count = std::max<std::size_t>(1, count_window(bin_i, bin_j, near));
+      spacing = static_cast<float>(std::sqrt(area / static_cast<double>(count)));
+    }
     sum += static_cast<double>(spacing);
   }
   const double share = static_cast<double>(points_.size()) / static_cast<double>(layer.size());
@@ -373,14 +337,12 @@ const NodeFitter::Layer& NodeFitter::layer_at_node(double spacing) {
 
 NodeFit NodeFitter::fit(int i, int j, int least_reach) {
   const double step_m = bins_.lattice.spacing_m;
-  const auto wider = [&](const Window& window) {
-    return window.reach < rule_.widest_window ? counted(i, j, window.reach + 1) : Window{window.reach + 1, 0};
-  };
-  for (Window window = least_window(i, j, least_reach); window.reach <= rule_.widest_window; window = wider(window)) {
-    const auto [reach, count] = window;
+  for (int reach = least_reach; reach <= rule_.widest_window; ++reach) {
+    const std::size_t count = count_window(i, j, reach);
     const bool last = reach == rule_.widest_window;
-    if (count < kLeastFit) return {};
-    gather(window, i, j);
+    if (count < kLeastFit || (count < kSafe && !last)) continue;
+    gather(i, j, reach);
+    spacing_of_bin_.assign(static_cast<std::size_t>((2 * reach + 1) * (2 * reach + 1)), 0.0F);
     const double side = 2.0 * reach + 1.0;
     const double total_spacing_m = std::sqrt(side * side / static_cast<double>(count)) * step_m;
     split_layers({}, layer_gap_m(rule_.noise_m, total_spacing_m));

@@ -1,7 +1,6 @@
 // One node of the depth grid: which layer of points is the front there, and its height by a robust local fit.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -47,23 +46,9 @@ class NodeFitter {
   [[nodiscard]] bool misses_thin_front(int i, int j, float above_m) const;
 
   /// Points in the window of `reach` nodes to each side.
-  [[nodiscard]] std::size_t count_window(int i, int j, int reach);
-
-  /// How many windows were counted so far: most of the work at nodes with few points.
-  [[nodiscard]] std::uint64_t windows_counted() const { return windows_counted_; }
+  [[nodiscard]] std::size_t count_window(int i, int j, int reach) const;
 
  private:
-  static constexpr std::size_t kSpacingRows = 16;  // no less than a window has
-
-  struct Window {
-    int reach;
-    std::size_t count;
-  };
-  /// Spacings around the nodes of a few rows, row j in slot j % kSpacingRows; 0 where nobody has asked yet.
-  struct SpacingRows {
-    std::array<int, kSpacingRows> row{};
-    std::vector<float> spacing;
-  };
   struct Layer {
     std::size_t begin, end;
     [[nodiscard]] std::size_t size() const { return end - begin; }
@@ -72,13 +57,10 @@ class NodeFitter {
     double u = 0.0, v = 0.0;  // metres per spacing
   };
 
-  [[nodiscard]] Window counted(int i, int j, int reach) { return {reach, count_window(i, j, reach)}; }
-  [[nodiscard]] Window least_window(int i, int j, int least_reach);
-  void gather(const Window& window, int i, int j);
+  void gather(int i, int j, int reach);
   void split_layers(Slope slope, double gap_m);
   [[nodiscard]] double compactness(Slope slope, double thickness_m) const;
   void split_along_best_slope(Slope plain_fit, double total_spacing_m);
-  [[nodiscard]] float spacing_around(int i, int j, int near);
   [[nodiscard]] double point_spacing(int i, int j, int reach, const Layer& layer);
   [[nodiscard]] double off_centre(const Layer& layer) const;
   void keep_near_fit(const Layer& layer, std::vector<NodePoint>& kept);
@@ -96,9 +78,7 @@ class NodeFitter {
   std::vector<std::uint32_t> rank_;
   std::vector<std::pair<float, std::uint32_t>> sorted_;
   std::vector<Layer> layers_;          // supported ones, the highest first
-  std::vector<SpacingRows> spacings_;  // by the reach of the windows that were counted
-  int last_reach_ = 1;
-  std::uint64_t windows_counted_ = 0;
+  std::vector<float> spacing_of_bin_;  // of the window, around each bin; 0 where nobody has asked yet
   std::vector<float> scratch_;
   std::vector<NodePoint> sides_[2];  // of a step
 };

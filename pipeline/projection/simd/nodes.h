@@ -225,7 +225,6 @@ SPARSHA_APART Verdict fit_alone(const sparsha::pipeline::NodeKernel& k, Window& 
   const auto corner_of = [&](std::size_t r) { return k.start + ((j + k.margin - r) * k.bins_x + i + k.margin - r); };
   if (!(reference > kAbsent)) {
     reach = kWide;
-    if (count_points(k, corner_of(reach), reach) < 9) return kHard;  // whatever the reference were
     reference = wider_reference(k, corner_of(reach));
     if (!(reference > kAbsent)) return kHard;
   }
