@@ -6,6 +6,10 @@
 #include <cmath>
 #include <optional>
 
+#include "haptics/around/holding_face.h"
+#include "haptics/around/left_sheets.h"
+#include "haptics/around/past_edge.h"
+
 namespace sparsha::haptics {
 namespace {
 
@@ -22,11 +26,6 @@ constexpr double kRimGap = 0.5;              // cells: that such a rim counts fu
 constexpr double kEdgeGap = 1.5;             // cells: so far past an edge the proxy may have come
 constexpr double kHeldGap = 0.6;             // cells: so near a sheet may hold a proxy that leaves another
 constexpr double kHeldDepth = 0.5;           // cells: of the hand below that sheet's tangent plane, at least
-constexpr double kBesideEdge = 0.5;          // cells: of a hand before an edge's other face, at least
-constexpr double kRoundEdge = 1.0;           // cells: before both faces, of a way round an edge
-constexpr double kAboveCorner = 1.5;         // cells: above a hollow corner its wall was measured, and so far below not
-constexpr double kLeastTilt = 0.1;           // sine of the angle between the two faces of an edge
-constexpr int kMostRounds = 4;               // ways round an edge that are tried
 constexpr double kNearer = 1e-3;             // cells: that a proxy has come nearer to the hand
 constexpr double kBelow = 1e-9;              // cells: the solver lifts the proxy onto the surface
 constexpr double kLiftOff = 4e-9;            // cells: distance from the surface at which a flight begins
@@ -37,9 +36,6 @@ constexpr int kFewSteps = 12;                // of the solver
 constexpr double kOneLook = 0.5;             // cells: a way that needs but one look about
 constexpr double kMeasuredLook = 2.0;        // cells: the same for one that ends where the sheet was measured
 constexpr int kLongRun = 16;                 // cells: the solver may divide the hand's way
-constexpr double kSeamCells = 2.0;           // that what sheets differ by fades over
-constexpr double kMostSeam = 0.35;           // cells that it may be
-constexpr double kMostShare = 0.5;           // and of the way from hand to proxy
 
 bool is_hand(const ObjectSurface& object, const Eigen::Vector3d& hip_m) noexcept {
   constexpr double kFarthest = 1e12;  // cells, as for one surface
@@ -50,7 +46,14 @@ class Course {
  public:
   Course(const ObjectSurface& object, const Eigen::Vector3d& hip_m, AroundState& state,
          const SolverOptions& options) noexcept
-      : object_(object), hip_m_(hip_m), state_(state), options_(options), begin_m_(state.position_m) {}
+      : object_(object),
+        hip_m_(hip_m),
+        state_(state),
+        options_(options),
+        begin_m_(state.position_m),
+        begin_sheet_(state.sheet) {
+    if (begin_sheet_ != kNoSheet) begin_ = view_of(sheet(), begin_m_);
+  }
 
   AroundUpdate run() noexcept {
     while (found_.segments < options_.segment_limit) {
@@ -212,55 +215,11 @@ class Course {
     return ++take_offs_ <= kMostTakeOffs || stop_unfinished();
   }
 
-  /// Whether the hand is past an edge, so that nothing holds it: it is in front of another face, the proxy is not, and
-  /// the path off the proxy's face, in front of that face and to the hand meets nothing. Tested once for a place and
-  /// tick; where it is true the tick ends.
+  /// Tested once for a place and tick; where it is true the tick ends.
   [[nodiscard]] bool is_past_edge() noexcept {
-    if (asked_ && asked_->sheet == state_.sheet && asked_->place_m == state_.position_m) return false;
-    asked_ = {state_.sheet, state_.position_m};
-    const SheetView own = view_of(sheet(), state_.position_m);
-    const double h = object_.spacing_m;
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-    if (own.cell != kNoCell) normal = own.normal;
-    const Eigen::Vector3d off_m = state_.position_m + kRoundEdge * h * normal;
-    // What a sheet is continued by is no witness against faces that were measured about the hand.
-    const bool within = is_within_edge(object_, hip_m_);
-    bool rises = false;
-    int rounds = 0;
-    for (const double share : {0.0, 0.5, 1.0}) {
-      const Eigen::Vector3d near_m = state_.position_m + share * (hip_m_ - state_.position_m);
-      for (const Passing& passing : object_.blocks.sheets_at(near_m)) {
-        const SheetView view = view_of(object_.sheets[passing.sheet], near_m);
-        // The other face of a thin wall is no way round.
-        if (view.cell == kNoCell || view.normal.dot(normal) <= -kSameNormal) continue;
-        if (within && view.cell < kLookCell) continue;
-        if (is_wall(object_.sheets[passing.sheet], view, normal)) continue;
-        const Eigen::Vector3d foot_m = object_.sheets[passing.sheet].to_object(view.local);
-        if ((hip_m_ - foot_m).dot(view.normal) < kBesideEdge * h) continue;
-        if ((state_.position_m - foot_m).dot(view.normal) > kEdgeGap * h) continue;
-        rises = rises || is_free(state_.position_m, off_m, true);
-        if (!rises || ++rounds > kMostRounds) return false;
-        const double behind_m = kRoundEdge * h - (off_m - foot_m).dot(view.normal);
-        const Eigen::Vector3d before_m = off_m + std::max(0.0, behind_m) * view.normal;
-        if (is_free(off_m, before_m, false) && is_free(before_m, hip_m_, false)) return true;
-      }
-    }
-    return false;
-  }
-
-  /// Does a face begin on the outer side of the proxy's, as the wall of a hollow corner?
-  [[nodiscard]] bool is_wall(const SheetSurface& face, const SheetView& view,
-                             const Eigen::Vector3d& normal) const noexcept {
-    const Eigen::Vector3d up = normal - normal.dot(view.normal) * view.normal;
-    if (up.norm() <= kLeastTilt) return false;
-    const Eigen::Vector3d step_m = kAboveCorner * object_.spacing_m * up.normalized();
-    return view_of(face, state_.position_m + step_m).cell >= kLookCell &&
-           view_of(face, state_.position_m - step_m).cell < kLookCell;
-  }
-
-  [[nodiscard]] bool is_free(const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, bool leaving) const noexcept {
-    const Flight flight = fly(object_, from_m, to_m, leaving, options_.shape);
-    return !flight.crossing && flight.share >= 1.0;
+    if (asked_sheet_ == state_.sheet && asked_m_ == state_.position_m) return false;
+    asked_sheet_ = state_.sheet, asked_m_ = state_.position_m;
+    return is_hand_past_edge(object_, state_.sheet, state_.position_m, hip_m_, options_.shape);
   }
 
   /// Where the proxy has come to a place that is not open.
@@ -281,7 +240,7 @@ class Course {
     const Look at_edge = pass_edge();
     if (at_edge != Look::stays) return at_edge;
     if (cell == kRimCell) return pass_rim();
-    if (left_count_ > 0) return stop_unfinished() ? Look::moves : Look::leaves;
+    if (left_.any()) return stop_unfinished() ? Look::moves : Look::leaves;
     if (fall_beyond_edge()) return Look::moves;
     if (hold_from_over()) return Look::moves;
     // The surface has ended: the proxy is let go.
@@ -381,7 +340,7 @@ class Course {
       const bool same = view.normal.dot(normal_) >= kSameNormal;
       if (same && std::abs(view.gap_m) <= kSameGap * object_.spacing_m) return Look::stays;  // the surface goes on
       if (same || !(view.gap_m > 0.0) || view.gap_m > least || !may_enter(other)) continue;
-      if (is_wall(object_.sheets[other], view, normal_)) continue;
+      if (is_wall_of_corner(object_, other, view, state_.position_m, normal_)) continue;
       least = view.gap_m;
       best = other;
       there = view;
@@ -394,17 +353,13 @@ class Course {
     return Look::moves;
   }
 
-  /// A sheet that was left in this tick may be entered again only nearer to the hand: no going to and fro without end.
   [[nodiscard]] bool may_enter(std::uint32_t other) const noexcept {
-    const double distance_m = (hip_m_ - state_.position_m).norm();
-    for (int k = 0; k < left_count_; ++k)
-      if (left_[k].sheet == other && distance_m > left_[k].distance_m - kNearer * object_.spacing_m) return false;
-    return true;
+    return left_.may_enter(other, (hip_m_ - state_.position_m).norm() + kNearer * object_.spacing_m);
   }
 
   /// Puts the proxy on another sheet; friction's state turns with the chart.
   void move_to(std::uint32_t other, const SheetView& there) noexcept {
-    if (left_count_ < kMostHandOvers) left_[left_count_++] = {state_.sheet, (hip_m_ - state_.position_m).norm()};
+    left_.add(state_.sheet, (hip_m_ - state_.position_m).norm());
     const SheetSurface& old = sheet();
     const SheetSurface& fresh = object_.sheets[other];
     ProxyState& proxy = state_.proxy;
@@ -467,24 +422,24 @@ class Course {
       return;
     }
     const double arm_m = (state_.position_m - hip_m_).norm();
-    if (seam.left > 0.0) {
-      const double gone = (state_.position_m - begin_m_).norm() / object_.spacing_m;
-      const double left = std::max(0.0, seam.left - gone);
-      seam.apart_m *= left / seam.left;
-      seam.left = left;
-    }
+    seam.go_on((state_.position_m - begin_m_).norm() / object_.spacing_m);
     if (found_.hand_overs > 0 && rested_m_) {
       // A hand that rests on the sheet before was there: the force goes on from what it was.
-      const Eigen::Vector3d apart_m = felt_of(seam, arm_m) + *rested_m_ - state_.position_m;
-      const double most_m = std::min(kMostSeam * object_.spacing_m, kMostShare * arm_m);
-      seam = apart_m.norm() <= most_m ? SeamFade{apart_m, arm_m, kSeamCells} : SeamFade{};
+      const Eigen::Vector3d apart_m = seam.felt_m(arm_m) + *rested_m_ - state_.position_m;
+      seam = SeamFade::of(apart_m, arm_m, object_.spacing_m);
     }
-    found_.position_m += felt_of(seam, arm_m);
+    found_.position_m += seam.felt_m(arm_m);
   }
 
-  [[nodiscard]] static Eigen::Vector3d felt_of(const SeamFade& seam, double arm_m) noexcept {
-    if (!(seam.left > 0.0)) return Eigen::Vector3d::Zero();
-    return std::min(1.0, arm_m / seam.arm_m) * seam.apart_m;
+  /// A hand that was let go, but lies within the object, is held by the nearest face that it lies under, on the side
+  /// that it was pushed to. Deep under a corner it lies under none: the proxy waits where it was.
+  void hold_within() noexcept {
+    const auto face = holding_face(object_, hip_m_, begin_sheet_, begin_, options_.shape);
+    if (!face) return;
+    land(*face);
+    slid_.normal = sheet().axes.to_chart(view_of(sheet(), state_.position_m).normal);
+    found_.released = found_.unfinished = false;
+    ++found_.edges;
   }
 
   AroundUpdate finish() noexcept {
@@ -492,6 +447,7 @@ class Course {
       take_off(hip_m_);
       found_.unfinished = false;
     }
+    if (begin_sheet_ != kNoSheet && state_.sheet == kNoSheet) hold_within();
     found_.position_m = state_.position_m;
     if (state_.seam.left > 0.0 || rested_m_) fade_seam();
     found_.sheet = state_.sheet;
@@ -513,21 +469,14 @@ class Course {
   ProxyUpdate slid_;
   Eigen::Vector3d normal_ = Eigen::Vector3d::Zero();
   int take_offs_ = 0;
-  Eigen::Vector3d begin_m_;                  ///< the proxy before
+  Eigen::Vector3d begin_m_;  ///< the proxy before
+  std::uint32_t begin_sheet_;
+  SheetView begin_;                          ///< of the sheet that it was on
   std::optional<Eigen::Vector3d> rested_m_;  ///< the proxy on the sheet that it left first, at rest there
-  /// Sheets that were left in this tick, and how far the hand was from the proxy then.
-  struct Left {
-    std::uint32_t sheet;
-    double distance_m;
-  };
-  Left left_[kMostHandOvers];
-  int left_count_ = 0;
+  LeftSheets left_;
   /// Where is_past_edge() was asked last.
-  struct Asked {
-    std::uint32_t sheet;
-    Eigen::Vector3d place_m;
-  };
-  std::optional<Asked> asked_;
+  std::uint32_t asked_sheet_ = kNoSheet;
+  Eigen::Vector3d asked_m_;
 };
 
 }  // namespace

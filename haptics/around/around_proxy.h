@@ -8,17 +8,12 @@
 #include <Eigen/Core>
 
 #include "haptics/around/flight.h"
+#include "haptics/around/left_sheets.h"
 #include "haptics/around/object_surface.h"
+#include "haptics/around/seam_fade.h"
 #include "haptics/proxy/proxy.h"
 
 namespace sparsha::haptics {
-
-/// What two sheets differ by where the proxy went over from one to the next. It fades while the proxy goes on.
-struct SeamFade {
-  Eigen::Vector3d apart_m = Eigen::Vector3d::Zero();  ///< object frame
-  double arm_m = 0.0;  ///< from hand to proxy where that was; a hand less deep feels as much less of it
-  double left = 0.0;   ///< cells that the proxy has to go on until none is left
-};
 
 /// What carries over from tick to tick.
 struct AroundState {
@@ -46,8 +41,6 @@ struct AroundUpdate {
   int edges = 0;       ///< to sheets beyond a sharp edge
   int segments = 0;
 };
-
-inline constexpr int kMostHandOvers = 8;  ///< a tick, edges included
 
 /// Moves the proxy for a hand at `hip_m`. At the first call the proxy is the hand, wherever that is. A hand that is not
 /// finite leaves the state as it was and reports no contact. A free proxy is the hand itself, to the last bit.
