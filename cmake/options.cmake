@@ -89,8 +89,8 @@ function(sparsha_library name)
   target_compile_features(${name} PUBLIC cxx_std_20)
   if(COMMAND sparsha_precompiled)
     sparsha_precompiled(${name} sparsha_precompiled)
-    sparsha_unity(${name} ${ARG_SOURCES})
   endif()
+  sparsha_unity(${name} ${ARG_SOURCES})
 endfunction()
 
 # What is tested keeps -O3; tests compile a quarter faster so.
@@ -100,7 +100,7 @@ endif()
 
 # Test programs are linked by a faster linker where there is one; what is installed, by the default.
 include(CheckLinkerFlag)
-if(NOT MSVC AND NOT SPARSHA_SANITIZE)
+if(SPARSHA_BUILD_TESTS AND NOT MSVC AND NOT SPARSHA_SANITIZE)
   check_linker_flag(CXX -fuse-ld=gold SPARSHA_HAS_GOLD)
   if(SPARSHA_HAS_GOLD)
     set(SPARSHA_TEST_LINKER -fuse-ld=gold)
@@ -115,8 +115,8 @@ function(sparsha_support name)
   target_compile_options(${name} PRIVATE ${SPARSHA_TEST_FLAGS})
   if(COMMAND sparsha_precompiled)
     sparsha_precompiled(${name} sparsha_precompiled)
-    sparsha_unity(${name} ${ARG_SOURCES})
   endif()
+  sparsha_unity(${name} ${ARG_SOURCES})
 endfunction()
 
 # sparsha_test(name SOURCES ... LIBS ...): a GoogleTest program whose cases CTest sees one by one.
@@ -129,8 +129,8 @@ function(sparsha_test name)
   target_link_options(${name} PRIVATE ${SPARSHA_TEST_LINKER})
   if(COMMAND sparsha_precompiled)
     sparsha_precompiled(${name} sparsha_precompiled_tests)
-    sparsha_unity(${name} ${ARG_SOURCES})
   endif()
+  sparsha_unity(${name} ${ARG_SOURCES})
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 600 ${ARG_PROPERTIES})
 endfunction()
 

@@ -8,6 +8,10 @@ if(SPARSHA_UNITY)
   find_package(Python3 COMPONENTS Interpreter QUIET)
   if(NOT Python3_Interpreter_FOUND)
     message(STATUS "SPARSHA_UNITY: no Python is found; sources are compiled one by one")
+  else()
+    # What is found may be a script that looks for the interpreter each time, which takes longer than the tool.
+    execute_process(COMMAND ${Python3_EXECUTABLE} -c "import sys; print(sys.executable, end='')"
+      OUTPUT_VARIABLE SPARSHA_UNITY_PYTHON COMMAND_ERROR_IS_FATAL ANY)
   endif()
 endif()
 
@@ -16,7 +20,7 @@ function(sparsha_unity target)
   if(NOT SPARSHA_UNITY OR NOT Python3_Interpreter_FOUND)
     return()
   endif()
-  execute_process(COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tools/unity-groups.py ${SPARSHA_UNITY_LINES} ${ARGN}
+  execute_process(COMMAND ${SPARSHA_UNITY_PYTHON} ${PROJECT_SOURCE_DIR}/tools/unity-groups.py ${SPARSHA_UNITY_LINES} ${ARGN}
     WORKING_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE pairs COMMAND_ERROR_IS_FATAL ANY)
   foreach(pair ${pairs})
     string(REPLACE "|" ";" pair ${pair})

@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 CMAKE, SOURCE, SIZE = sys.argv[1], pathlib.Path(sys.argv[2]).resolve(), sys.argv[3]
-SMALL = ["-DCMAKE_BUILD_TYPE=RelWithDebInfo", "-DSPARSHA_COMPONENTS=haptics"]
+SMALL = ["-DCMAKE_BUILD_TYPE=RelWithDebInfo", "-DSPARSHA_COMPONENTS=haptics", "-DSPARSHA_UNITY=ON"]  # as first builds are
 WHOLE = ["-DCMAKE_BUILD_TYPE=Release"]
 TARGETS = {"small": ["sparsha_base_core", "sparsha_scene_core"], "whole": ["sparsha_packaged"]}[SIZE]
 MADE = {"small": ["*.a"], "whole": ["*.a", "*.so", "bin/sparsha", "lib/sparsha/sparsha", "*.deb", "*.tar.gz"]}[SIZE]
