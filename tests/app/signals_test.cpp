@@ -200,7 +200,8 @@ TEST_F(Signals, AClosedPipeEndsAProgramWithoutAWord) {
   ::close(ends[0]);
   ASSERT_EQ(::dup2(ends[1], kPipe), kPipe);
   ::close(ends[1]);
-  for (const std::string command : {"config keys", "build --help", "--version", "--help"}) {  // above and below what is buffered
+  // Above and below what is buffered.
+  for (const std::string command : {"config keys", "build --help", "--version", "--help"}) {
     const std::string shell =
         "cd \"" + folder_.path().string() + "\" && \"" + SPARSHA_PROGRAM + "\" " + command + " 2> .err < /dev/null >&9";
     EXPECT_EQ(WEXITSTATUS(std::system(shell.c_str())), 1) << command << ": what was promised is missing";
