@@ -25,9 +25,10 @@ function(sparsha_precompiled_set name)
   endif()
   # For ccache, which else reads the 150 MB of a precompiled header for each source.
   if(SPARSHA_CCACHE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND NOT CMAKE_CONFIGURATION_TYPES)
-    set(header ${CMAKE_BINARY_DIR}/CMakeFiles/${name}.dir/cmake_pch.hxx.gch)
-    add_custom_command(OUTPUT ${header}.sum COMMAND ${CMAKE_COMMAND} -E sha256sum ${header} > ${header}.sum
-      DEPENDS ${name} ${header} VERBATIM)
+    set(folder ${CMAKE_BINARY_DIR}/CMakeFiles/${name}.dir)
+    set(header ${folder}/cmake_pch.hxx.gch)
+    add_custom_command(OUTPUT ${header}.sum COMMAND ${CMAKE_COMMAND} -E sha256sum cmake_pch.hxx.gch > cmake_pch.hxx.gch.sum
+      WORKING_DIRECTORY ${folder} DEPENDS ${name} ${header} VERBATIM)  # its name alone, so that any folder has the same sum
     add_custom_target(${name}_sum DEPENDS ${header}.sum)
   endif()
 endfunction()
