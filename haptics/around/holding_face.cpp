@@ -163,7 +163,7 @@ std::optional<Crossing> holding_face(const ObjectSurface& object, const Eigen::V
   if (proxy.cell == kNoCell) return {};
   const Eigen::Vector3d proxy_m = object.sheets[own].to_object(proxy.local);
   if (!is_in_hollow(object, proxy_m, proxy.normal)) return {};
-  if (const auto face = face_over(object, hand_m, proxy_m, proxy.normal)) return face;
+  if (auto face = face_over(object, hand_m, proxy_m, proxy.normal)) return face;
   if (!is_under_faces(object, hand_m, proxy_m, proxy.normal, shape)) return {};
   return Crossing{own, 1.0, proxy.local};
 }
