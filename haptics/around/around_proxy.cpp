@@ -13,29 +13,27 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kLeaveFacing = 0.5;         // below it the proxy looks for a sheet that faces it better
-constexpr double kEnterFacing = 0.58;        // which that one must
-constexpr double kSameNormal = 0.866025404;  // cosine of 30 degrees: the same surface
-constexpr double kNearNormal = 0.5;          // of 60 degrees: the same surface where a sheet ends
-constexpr double kCornerNormal = 0.1;        // of 84 degrees: the other face of a hollow corner
-constexpr double kSameGap = 0.5;             // cells between two sheets of one surface
-constexpr double kEndGap = 1.5;              // the same where a sheet ends
-constexpr double kMostShift = 2.0;           // cells along a sheet's side that the proxy moves when it goes over
-constexpr double kBetterFacing = 0.2;        // of the rim of another sheet, beyond that of the own
-constexpr double kRimGap = 0.5;              // cells: that such a rim counts further away
-constexpr double kEdgeGap = 1.5;             // cells: so far past an edge the proxy may have come
-constexpr double kHeldGap = 0.6;             // cells: so near a sheet may hold a proxy that leaves another
-constexpr double kHeldDepth = 0.5;           // cells: of the hand below that sheet's tangent plane, at least
-constexpr double kNearer = 1e-3;             // cells: that a proxy has come nearer to the hand
-constexpr double kBelow = 1e-9;              // cells: the solver lifts the proxy onto the surface
-constexpr double kLiftOff = 4e-9;            // cells: distance from the surface at which a flight begins
-constexpr int kMostTakeOffs = 8;             // a tick
-constexpr double kCreaseStep = 0.5;          // cells
-constexpr double kCreaseRest = 1e-7;         // cells
-constexpr int kFewSteps = 12;                // of the solver
-constexpr double kOneLook = 0.5;             // cells: a way that needs but one look about
-constexpr double kMeasuredLook = 2.0;        // cells: the same for one that ends where the sheet was measured
-constexpr int kLongRun = 16;                 // cells: the solver may divide the hand's way
+constexpr double kLeaveFacing = 0.5;   // below it the proxy looks for a sheet that faces it better
+constexpr double kEnterFacing = 0.58;  // which that one must
+constexpr double kNearNormal = 0.5;    // of 60 degrees: the same surface where a sheet ends
+constexpr double kCornerNormal = 0.1;  // of 84 degrees: the other face of a hollow corner
+constexpr double kSameGap = 0.5;       // cells between two sheets of one surface
+constexpr double kEndGap = 1.5;        // the same where a sheet ends
+constexpr double kMostShift = 2.0;     // cells along a sheet's side that the proxy moves when it goes over
+constexpr double kBetterFacing = 0.2;  // of the rim of another sheet, beyond that of the own
+constexpr double kRimGap = 0.5;        // cells: that such a rim counts further away
+constexpr double kHeldGap = 0.6;       // cells: so near a sheet may hold a proxy that leaves another
+constexpr double kHeldDepth = 0.5;     // cells: of the hand below that sheet's tangent plane, at least
+constexpr double kNearer = 1e-3;       // cells: that a proxy has come nearer to the hand
+constexpr double kBelow = 1e-9;        // cells: the solver lifts the proxy onto the surface
+constexpr double kLiftOff = 4e-9;      // cells: distance from the surface at which a flight begins
+constexpr int kMostTakeOffs = 8;       // a tick
+constexpr double kCreaseStep = 0.5;    // cells
+constexpr double kCreaseRest = 1e-7;   // cells
+constexpr int kFewSteps = 12;          // of the solver
+constexpr double kOneLook = 0.5;       // cells: a way that needs but one look about
+constexpr double kMeasuredLook = 2.0;  // cells: the same for one that ends where the sheet was measured
+constexpr int kLongRun = 16;           // cells: the solver may divide the hand's way
 
 bool is_hand(const ObjectSurface& object, const Eigen::Vector3d& hip_m) noexcept {
   constexpr double kFarthest = 1e12;  // cells, as for one surface

@@ -29,10 +29,9 @@ constexpr double kOnEdge = 1e-3;     // cells: so far outside, a place still cou
 // face may have steep under it. What is continued itself says less.
 constexpr double kOutsideCells = 4.5;  // cells
 constexpr double kOutsideRimCells = 3.2;
-constexpr double kAboveCorner = 1.5;         // cells: so far above a hollow corner its wall was measured
-constexpr double kOppositeFaces = -0.5;      // cosine under which faces are those of a wall
-constexpr double kInsideCells = 4.0;         // cells: nor further in
-constexpr double kSameNormal = 0.866025404;  // cosine of 30 degrees
+constexpr double kAboveCorner = 1.5;     // cells: so far above a hollow corner its wall was measured
+constexpr double kOppositeFaces = -0.5;  // cosine under which faces are those of a wall
+constexpr double kInsideCells = 4.0;     // cells: nor further in
 
 /// Walks the cells of one sheet under the way from `from` along `w` (cells), between two shares of it.
 template <class Surface>

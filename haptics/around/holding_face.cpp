@@ -11,13 +11,12 @@ namespace {
 constexpr double kLeastDepth = 0.5;  // cells: of a hand, that it is held
 constexpr double kAskCells = 2.0;    // between places on the way to the proxy: faces are known 2.5 cells away
 constexpr int kMostPlaces = 8;
-constexpr double kMeetCells = 2.5;           // between faces that meet at a place
-constexpr double kAbove = 1.5;               // cells: above a hollow corner its wall was measured
-constexpr double kOpposite = -0.9;           // cosine of 154 degrees: the faces of a wall, which do not meet
-constexpr double kUnder = 0.1;               // cells: under the proxy's face, where the way of a hand inside ends
-constexpr double kMeets = 0.2;               // cells: beyond another face, of what no longer continues its own
-constexpr int kFootSteps = 2;                // of a foot on a bent face
-constexpr double kSameNormal = 0.866025404;  // cosine of 30 degrees
+constexpr double kMeetCells = 2.5;  // between faces that meet at a place
+constexpr double kAbove = 1.5;      // cells: above a hollow corner its wall was measured
+constexpr double kOpposite = -0.9;  // cosine of 154 degrees: the faces of a wall, which do not meet
+constexpr double kUnder = 0.1;      // cells: under the proxy's face, where the way of a hand inside ends
+constexpr double kMeets = 0.2;      // cells: beyond another face, of what no longer continues its own
+constexpr int kFootSteps = 2;       // of a foot on a bent face
 
 /// A face as seen from a place: where its foot on it lies.
 struct Foot {

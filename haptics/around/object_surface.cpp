@@ -14,19 +14,18 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kBlockCells = 4.0;          // width of a block
-constexpr double kNearCells = 2.5;           // two sheets so near are looked at
-constexpr double kSteep = 0.5;               // facing below which the proxy looks for another sheet
-constexpr double kSameGapCells = 0.5;        // of two sheets of one surface, at most
-constexpr double kSameNormal = 0.866025404;  // cosine of 30 degrees
-constexpr double kNearNormal = 0.5;          // of 60 degrees: the same surface where a sheet ends
-constexpr double kEndGapCells = 1.5;         // of two sheets of one surface where one ends, at most
-constexpr double kWallNormal = 0.7;          // cosine of 45 degrees: least that faces of a hollow corner turn by
-constexpr double kFoldCells = 0.5;           // that two faces of a hollow corner lie before each other, at least
-constexpr double kBehindCells = 0.5;         // of a floor's cell behind its wall, at most
-constexpr double kBeyondCells = 0.2;         // of what a face goes on as behind the other, at most
-constexpr double kFootCells = 1.5;           // so far below its floor a wall is not measured
-constexpr int kWallCells = 3;                // so far above its floor a wall is measured
+constexpr double kBlockCells = 4.0;    // width of a block
+constexpr double kNearCells = 2.5;     // two sheets so near are looked at
+constexpr double kSteep = 0.5;         // facing below which the proxy looks for another sheet
+constexpr double kSameGapCells = 0.5;  // of two sheets of one surface, at most
+constexpr double kNearNormal = 0.5;    // of 60 degrees: the same surface where a sheet ends
+constexpr double kEndGapCells = 1.5;   // of two sheets of one surface where one ends, at most
+constexpr double kWallNormal = 0.7;    // cosine of 45 degrees: least that faces of a hollow corner turn by
+constexpr double kFoldCells = 0.5;     // that two faces of a hollow corner lie before each other, at least
+constexpr double kBehindCells = 0.5;   // of a floor's cell behind its wall, at most
+constexpr double kBeyondCells = 0.2;   // of what a face goes on as behind the other, at most
+constexpr double kFootCells = 1.5;     // so far below its floor a wall is not measured
+constexpr int kWallCells = 3;          // so far above its floor a wall is measured
 
 /// Use(i, j, cell index) of all cells that are worth something.
 template <typename Use>

@@ -18,6 +18,8 @@
 
 namespace sparsha::haptics {
 
+inline constexpr double kSameNormal = 0.866025404;  ///< cosine of 30 degrees: faces are of the same surface
+
 /// Immutable; made off the servo thread, read by it.
 struct ObjectSurface {
   double spacing_m = 0.0;

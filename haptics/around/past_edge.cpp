@@ -7,13 +7,11 @@
 namespace sparsha::haptics {
 namespace {
 
-constexpr double kSameNormal = 0.866025404;  // cosine of 30 degrees: the same surface
-constexpr double kEdgeGap = 1.5;             // cells: so far past an edge the proxy may have come
-constexpr double kBesideEdge = 0.5;          // cells: of a hand before an edge's other face, at least
-constexpr double kRoundEdge = 1.0;           // cells: before both faces, of a way round an edge
-constexpr double kAboveCorner = 1.5;         // cells: above a hollow corner its wall was measured, and so far below not
-constexpr double kLeastTilt = 0.1;           // sine of the angle between the two faces of an edge
-constexpr int kMostRounds = 4;               // ways round an edge that are tried
+constexpr double kBesideEdge = 0.5;   // cells: of a hand before an edge's other face, at least
+constexpr double kRoundEdge = 1.0;    // cells: before both faces, of a way round an edge
+constexpr double kAboveCorner = 1.5;  // cells: above a hollow corner its wall was measured, and so far below not
+constexpr double kLeastTilt = 0.1;    // sine of the angle between the two faces of an edge
+constexpr int kMostRounds = 4;        // ways round an edge that are tried
 
 bool is_free(const ObjectSurface& object, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m, bool leaving,
              CellShape shape) noexcept {

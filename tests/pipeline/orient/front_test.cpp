@@ -14,18 +14,16 @@
 #include <Eigen/Geometry>
 
 #include "pipeline/scan/reader.h"
+#include "tests/support/turned_points.h"
 
 namespace sparsha::pipeline {
 namespace {
 namespace fs = std::filesystem;
 
-using Points = std::vector<Eigen::Vector3d>;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
-
-double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)) / kDegree;
-}
+using test::angle_deg;
+using test::kDegree;
+using test::Points;
+using test::turned;
 
 // Height over a ball of what lies around `at` in the direction `d`.
 double bump(const Eigen::Vector3d& d, const Eigen::Vector3d& at, double height, double width) {
@@ -75,12 +73,6 @@ Points bust(std::size_t count = 60'000, double noise_m = 0.004, bool plinth = tr
     }
   }
   return points;
-}
-
-Points turned(const Points& points, const Eigen::Matrix3d& turn) {
-  Points out;
-  for (const Eigen::Vector3d& p : points) out.emplace_back(turn * p);
-  return out;
 }
 
 FrontView front_of(const Points& points, bool z_up = false) {

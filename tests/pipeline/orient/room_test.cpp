@@ -15,24 +15,16 @@
 
 #include "pipeline/orient/front.h"
 #include "pipeline/scan/reader.h"
+#include "tests/support/turned_points.h"
 
 namespace sparsha::pipeline {
 namespace {
 namespace fs = std::filesystem;
 
-using Points = std::vector<Eigen::Vector3d>;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
-
-double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)) / kDegree;
-}
-
-Points turned(const Points& points, const Eigen::Matrix3d& turn) {
-  Points out;
-  for (const Eigen::Vector3d& p : points) out.emplace_back(turn * p);
-  return out;
-}
+using test::angle_deg;
+using test::kDegree;
+using test::Points;
+using test::turned;
 
 // A room of 6 x 4.5 x 2.8 m as a scanner in it sees it: floor, ceiling, four walls of which one has a door, tables and
 // chairs. z is up; the walls are turned by 20 degrees.
