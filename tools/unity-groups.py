@@ -4,12 +4,12 @@
   tools/unity-groups.py LINES FILE...     prints `FILE|NUMBER;FILE|NUMBER...`, files of one number are one group
 
 Sources share a group when none of them uses a name that another one keeps for itself (in an unnamed namespace, or static):
-such a name would be defined twice, or found where another was meant; and when they open the same namespaces, since a
-namespace within one of them hides another of its name (`testing::` may be GoogleTest's, or one of ours that only one of two
-sources includes); and take all names of the same ones (`using namespace`). A name
-that is taken from elsewhere (`using testing::Each;`, `namespace p = pipeline;`, `using Clock = std::chrono::steady_clock;`)
-is no obstacle to a source that takes the same one. What defines macros stays alone. A group has at most LINES lines, so that
-the cores share them evenly. The same files in whatever order get the same groups."""
+such a name would be defined twice, or found where another was meant. So it would where only one of two sources knows of a
+namespace within theirs (`testing::` may be GoogleTest's or one of ours), takes all names of another one (`using namespace`)
+or includes headers with macros of plain words. A name that is taken from elsewhere (`using testing::Each;`, `namespace p =
+pipeline;`, `using Clock = std::chrono::steady_clock;`) is no obstacle to a source that takes the same one. What defines
+macros stays alone. A group has at most LINES lines, so that the cores share them evenly. The same files in whatever order
+get the same groups."""
 import functools
 import os
 import re
@@ -18,7 +18,8 @@ import sys
 TEXT = re.compile(r'//[^\n]*|/\*.*?\*/|R"([^(\s]*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|(?<![0-9a-fA-F])\'(?:\\.|[^\'\\\n])+\'', re.S)
 WORD = re.compile(r"[A-Za-z_]\w*")
 # Of a whole file: macros and names that are meant for it alone.
-ALONE = re.compile(r"^\s*#\s*(?:define|undef|pragma)\b|^#include\s*<(?:X11|epoxy|GL)/", re.M)
+ALONE = re.compile(r"^\s*#\s*(?:define|undef|pragma)\b", re.M)
+MACROS = re.compile(r"^#include\s*<((?:X11|epoxy|GL)/[^>]+)>", re.M)  # headers whose macros are words of others' texts
 NAMESPACE = re.compile(r"\bnamespace\s+([\w:]+)\s*\{")
 ALL_OF = re.compile(r"^using namespace\s+([\w:]+)\s*;", re.M)
 TAKEN = re.compile(r"\s*using\s+(?:typename\s+)?((?:\w*::)*(\w+))\s*$|\s*(?:using|namespace)\s+(\w+)\s*=(.*)$", re.S)
@@ -131,16 +132,17 @@ class Source:
         self.used = used_names(text)
         self.leads = frozenset(LEADS.findall(text))
         self.opened = opened(os.path.normpath(os.path.abspath(path)))
-        self.namespaces = frozenset(NAMESPACE.findall(text)) | frozenset("all of " + name for name in ALL_OF.findall(text))
+        self.whole_text = (frozenset(ALL_OF.findall(text)), frozenset(MACROS.findall(whole)))
 
     def clashes(self, other):
-        return self.namespaces != other.namespaces or self.hides_of(other) or other.hides_of(self)
+        return self.whole_text != other.whole_text or self.hides_of(other) or other.hides_of(self)
 
     def hides_of(self, other):
         """Whether a name of this source would mean something else than it does in the other one."""
         if any(name.rsplit("::", 1)[-1] in other.leads for name in self.opened - other.opened if "::" in name):
             return True
-        return bool(self.own & other.used) or any(name in other.used and other.taken.get(name) != meaning for name, meaning in self.taken.items())
+        return bool(self.own & other.used) or any(
+            name in other.used | other.taken.keys() and other.taken.get(name) != meaning for name, meaning in self.taken.items())
 
 
 def groups(paths, most_lines):

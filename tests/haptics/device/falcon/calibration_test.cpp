@@ -125,6 +125,9 @@ class Stopped final : public Device {
   explicit Stopped(Device& device, bool silences = false) : device_(device), silences_(silences) {}
   [[nodiscard]] DeviceInfo info() const override { return device_.info(); }
   void wait(double timeout_s) noexcept override {
+    const Steady::time_point now = Steady::now();
+    if (ticks_ > 0) longest_s_ = std::max(longest_s_, std::chrono::duration<double>(now - waited_at_).count());
+    waited_at_ = now;
     if (++ticks_ % 499 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(4 + (ticks_ / 499) % 3 * 10));
     device_.wait(timeout_s);
   }
@@ -139,24 +142,37 @@ class Stopped final : public Device {
   void zero() noexcept override { device_.zero(); }
   [[nodiscard]] double force_share() const noexcept override { return device_.force_share(); }
   [[nodiscard]] const DeviceAdvice* advice() const noexcept override { return device_.advice(); }
+  /// The longest time from one tick to the next.
+  [[nodiscard]] double longest_s() const { return longest_s_; }
 
  private:
+  using Steady = std::chrono::steady_clock;
   [[nodiscard]] bool silent() const noexcept { return silences_ && ticks_ % 20000 >= 15000 && ticks_ % 20000 < 15150; }
 
   Device& device_;
   bool silences_;
   int ticks_ = 0;
+  double longest_s_ = 0.0;
+  Steady::time_point waited_at_{};
 };
 
 TEST(FalconCalibration, AMachineThatStopsTheProgramNowAndThenGivesTheSameCounts) {
+  constexpr double kMeant_s = 0.08;  // a busy machine may stop it longer; after 0.1 s the grip is homed anew
+  constexpr int kTries = 20;
   for (const double counts : {6300.0, 18000.0}) {
-    const Desk desk(counts, 0.15);
-    Stopped stopped(*desk.device);
-    CalibrationOptions options;
-    options.weight_n = 0.15 * 9.80665;
-    options.clock_s = [person = desk.curator] { return person->time_s(); };
-    const auto found =
-        calibrate(stopped, options, [person = desk.curator](const std::string& words) { person->hear(words); });
+    std::optional<Calibration> found;
+    for (int i = 0; i < kTries && !found; ++i) {
+      const Desk desk(counts, 0.15);
+      Stopped stopped(*desk.device);
+      CalibrationOptions options;
+      options.weight_n = 0.15 * 9.80665;
+      options.clock_s = [person = desk.curator] { return person->time_s(); };
+      try {
+        found = calibrate(stopped, options, [person = desk.curator](const std::string& words) { person->hear(words); });
+      } catch (const sparsha::Error&) {
+        if (stopped.longest_s() < kMeant_s) throw;
+      }
+    }
     ASSERT_TRUE(found.has_value());
     EXPECT_NEAR(found->counts_per_newton_metre / counts, 1.0, 0.015) << counts;
   }
