@@ -1,11 +1,11 @@
-// For .cpp files: PCL's trees for the points that the pipeline has. They are compiled in pcl_trees.cpp, not once more in
-// each file that searches neighbours.
+// For .cpp files: PCL's trees for the points that the pipeline has. They are compiled in pcl_trees.cpp, not once more
+// in each file that searches neighbours.
 #pragma once
 
 #include <flann/flann.hpp>
 
-// PCL's trees ask FLANN for its single k-d tree and for nothing else. FLANN's choice by name would compile its seven other
-// kinds of index as well.
+// PCL's trees ask FLANN for its single k-d tree and for nothing else. FLANN's choice by name would compile its seven
+// other kinds of index as well.
 template <>
 inline flann::NNIndex<flann::L2_Simple<float>>* flann::create_index_by_type<flann::L2_Simple<float>>(
     flann_algorithm_t kind, const Matrix<float>& places, const IndexParams& params, const L2_Simple<float>& distance) {
