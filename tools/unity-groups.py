@@ -4,9 +4,9 @@
   tools/unity-groups.py LINES FILE...     prints `FILE|NUMBER;FILE|NUMBER...`, files of one number are one group
 
 Sources share a group when none of them uses a name that another one keeps for itself (in an unnamed namespace, or static):
-such a name would be defined twice, or found where another was meant. So it would where only one of two sources knows of a
-namespace within theirs (`testing::` may be GoogleTest's or one of ours), takes all names of another one (`using namespace`)
-or includes headers with macros of plain words. A name that is taken from elsewhere (`using testing::Each;`, `namespace p =
+such a name would be defined twice, or found where another was meant. For the same reason two sources stay apart when only
+one of them knows of a namespace within theirs (`testing::` may be GoogleTest's or one of ours), takes all names of another
+one (`using namespace`) or includes headers with macros of plain words. A name that is taken from elsewhere (`using testing::Each;`, `namespace p =
 pipeline;`, `using Clock = std::chrono::steady_clock;`) is no obstacle to a source that takes the same one. What defines
 macros stays alone. A group has at most LINES lines, so that the cores share them evenly. The same files in whatever order
 get the same groups."""

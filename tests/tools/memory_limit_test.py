@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""memory_limit_test.py SPARSHA [sizes|files|objects]: builds of many sizes under many limits of --memory keep to them within 5 %, by the peak
-that the system counts for the process; or they end with an error that names the memory that is needed, and that is
-enough. Meshes are refused before they are in memory. Grids that do not fit lie in files, with the same bytes. `sizes`: of grids and
-shapes; `files`: grids in files, and meshes; `objects`: whole objects, layers, threads and filters; without any all three."""
+"""memory_limit_test.py SPARSHA [sizes|files|objects]
+
+Builds of many sizes under many limits of --memory keep to them within 5 %, by the peak that the system counts for the
+process; or they end with an error that names the memory that is needed, and that is enough. Meshes are refused before
+they are in memory. Grids that do not fit lie in files, with the same bytes. `sizes`: of grids and shapes; `files`: grids
+in files, and meshes; `objects`: whole objects, layers, threads and filters. Without any all three."""
 import array
 import filecmp
 import json
@@ -351,6 +353,7 @@ def sizes(folder):
         failures.append(f"ball.ply, 200 nodes, limit 76 MB: exit {code}, {text}")
 
     built = refused = 0
+
     def sizes_of(name):
         more = {"wavy.ply": SIZES, "ball.ply": SIZES[1:3], "ring.ply": (400,), "coin.ply": (600,)}
         return more.get(name, SIZES[1:2])
