@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include <Eigen/Geometry>
@@ -110,6 +111,14 @@ void set_unit(viewer::PointView& view, const std::vector<scene::ScanConfig>& sca
   view.metres_per_unit = common && plain ? scene::metres_in(view.unit) : 0.0;
 }
 
+// Formats have room for colours and intensities that a program left at zero: painted so, a cloud would be one black
+// patch.
+void leave_out_alike(viewer::PointView& view) {
+  const auto apart = [](float a, float b) { return std::isnan(a) ? !std::isnan(b) : a != b; };
+  if (std::ranges::adjacent_find(view.rgba, std::not_equal_to()) == view.rgba.end()) view.rgba.clear();
+  if (std::ranges::adjacent_find(view.intensity, apart) == view.intensity.end()) view.intensity.clear();
+}
+
 }  // namespace
 
 ReadPoints read_points(const std::vector<scene::ScanConfig>& scans, const std::string& title, Progress& progress,
@@ -169,6 +178,7 @@ ReadPoints read_points(const std::vector<scene::ScanConfig>& scans, const std::s
   }
   view->rgba.resize(view->rgba.empty() ? 0 : view->points.size(), kUncoloured);
   view->intensity.resize(view->intensity.empty() ? 0 : view->points.size(), 0.0F);
+  leave_out_alike(*view);
   if (scans.size() < 2) view->station.clear();
   viewer::arrange(*view);
   progress.finish();

@@ -20,7 +20,7 @@ inline constexpr std::uint64_t kMostPointsShown = 12'000'000;
 /// What a point that is shown takes, with its colours and while it is sorted; about.
 inline constexpr std::uint64_t kBytesPerPointShown = 64;
 /// Of a COPC file, whole coarse levels come first: so many that they have this many points.
-inline constexpr std::uint64_t kCoarsePoints = 1'000'000;
+inline constexpr std::uint64_t kCoarsePoints = 250'000;
 
 struct ReadPoints {
   std::shared_ptr<const viewer::PointView> view;

@@ -1,5 +1,6 @@
 // Arrays are shared mappings of unlinked files: dropping their pages loses nothing, since the system keeps what was
-// written and brings it back when it is touched. A thread watches the resident set.
+// written and brings it back when it is touched. A thread watches the resident set, and so does every worker, since
+// the thread waits for a core where there are many.
 #include "base/system/disk_arrays.h"
 
 #include "base/error.h"
@@ -128,7 +129,57 @@ void drop_pages() {
   for (const Array& array : arrays().all) ::madvise(array.data, array.bytes, MADV_DONTNEED);
 }
 
+// Drops all pages when there are too many. Any thread may look.
+class PageWatch {
+ public:
+  void begin(std::uint64_t limit_bytes) {
+    const std::lock_guard lock(mutex_);
+    limit_bytes_ = limit_bytes;
+    kept_bytes_ = 0;
+  }
+
+  // As soon as there are enough of them again to be worth it: at most a share of the room that the rest of the program
+  // leaves of the limit, since as many come again between two looks.
+  void look() {
+    constexpr std::uint64_t kWorthIt = std::uint64_t{16} << 20U, kLeastWorthIt = std::uint64_t{1} << 20U;
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock.owns_lock()) return;  // somebody looks
+    const Resident now = statm_.now();
+    kept_bytes_ = std::min(kept_bytes_, now.of_files);
+    const std::uint64_t others = now.all - std::min(now.all, now.of_files - kept_bytes_);
+    const std::uint64_t room = (limit_bytes_ - std::min(limit_bytes_, others)) / 2;
+    const std::uint64_t worth_it = std::clamp(room, kLeastWorthIt, kWorthIt);
+    // What is written between two looks comes on top.
+    if (now.all > limit_bytes_ - limit_bytes_ / 5 && now.of_files >= kept_bytes_ + worth_it) {
+      drop_pages();
+      kept_bytes_ = statm_.now().of_files;
+    }
+    looked_.store(std::chrono::steady_clock::now().time_since_epoch().count(), std::memory_order_relaxed);
+  }
+
+  [[nodiscard]] std::chrono::steady_clock::duration since_look() const noexcept {
+    const std::chrono::steady_clock::duration looked(looked_.load(std::memory_order_relaxed));
+    return std::chrono::steady_clock::now().time_since_epoch() - looked;
+  }
+
+ private:
+  std::mutex mutex_;
+  Statm statm_;
+  std::uint64_t limit_bytes_ = 0;
+  std::uint64_t kept_bytes_ = 0;  // resident bytes of files when pages were dropped last
+  std::atomic<std::chrono::steady_clock::rep> looked_{0};
+};
+PageWatch& watch_of_pages() {
+  static auto* const kWatch = new PageWatch;  // never destroyed: a worker may still look
+  return *kWatch;
+}
+
 }  // namespace
+
+void keep_to_memory() noexcept {
+  constexpr std::chrono::microseconds kOften(500);
+  if (in_force.load(std::memory_order_relaxed) && watch_of_pages().since_look() >= kOften) watch_of_pages().look();
+}
 
 void allow_disk_arrays() noexcept { allowed.store(true); }
 bool has_disk_arrays() noexcept { return allowed.load(); }
@@ -175,24 +226,10 @@ struct DiskArrays::Implementation {
   bool ends = false;
   std::thread watcher;
 
-  // Drops all pages when there are too many, as soon as there are enough of them again to be worth it: at most a share
-  // of the room that the rest of the program leaves of `limit_bytes`, since as many come again between two looks.
-  void watch(std::uint64_t most_bytes, std::uint64_t limit_bytes) {
+  void watch() {
     constexpr std::chrono::milliseconds kPause(1);
-    constexpr std::uint64_t kWorthIt = std::uint64_t{16} << 20U, kLeastWorthIt = std::uint64_t{1} << 20U;
-    const Statm statm;
-    std::uint64_t kept = 0;  // resident bytes of files when pages were dropped last
     std::unique_lock lock(mutex);
-    while (!ending.wait_for(lock, kPause, [&] { return ends; })) {
-      const Resident now = statm.now();
-      kept = std::min(kept, now.of_files);
-      const std::uint64_t others = now.all - std::min(now.all, now.of_files - kept);
-      const std::uint64_t room = (limit_bytes - std::min(limit_bytes, others)) / 2;
-      const std::uint64_t worth_it = std::clamp(room, kLeastWorthIt, kWorthIt);
-      if (now.all <= most_bytes || now.of_files < kept + worth_it) continue;
-      drop_pages();
-      kept = statm.now().of_files;
-    }
+    while (!ending.wait_for(lock, kPause, [&] { return ends; })) watch_of_pages().look();
   }
 };
 
@@ -207,11 +244,8 @@ DiskArrays::DiskArrays(const std::filesystem::path& folder, std::uint64_t reside
   void* const trial = take_disk_array(page_bytes());
   throw_if_disk_was_full();
   (void)give_disk_array(trial);
-  // What is written between two looks comes on top.
-  const std::uint64_t trigger_bytes = resident_bytes - resident_bytes / 5;
-  implementation_->watcher = std::thread([implementation = implementation_.get(), trigger_bytes, resident_bytes] {
-    implementation->watch(trigger_bytes, resident_bytes);
-  });
+  watch_of_pages().begin(resident_bytes);
+  implementation_->watcher = std::thread([implementation = implementation_.get()] { implementation->watch(); });
   in_force.store(true);
 }
 
@@ -241,6 +275,7 @@ void throw_if_disk_was_full() {
 
 #else
 
+void keep_to_memory() noexcept {}
 void allow_disk_arrays() noexcept {}
 bool has_disk_arrays() noexcept { return false; }
 bool wants_disk_array(std::size_t) noexcept { return false; }

@@ -41,6 +41,10 @@ class DiskArrays {
   std::unique_ptr<Implementation> implementation_;
 };
 
+/// Lets go of pages of such arrays when there are too many; every worker asks after each piece of its work. Costs a
+/// nanosecond while no DiskArrays is in force.
+void keep_to_memory() noexcept;
+
 /// Throws Error{failure} with the system's reason when an array of the latest DiskArrays got no room, which the one who
 /// asked for it knows as std::bad_alloc.
 void throw_if_disk_was_full();

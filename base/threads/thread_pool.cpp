@@ -10,6 +10,8 @@
 #include <thread>
 #include <vector>
 
+#include "base/system/disk_arrays.h"
+
 namespace sparsha {
 
 struct ThreadPool::Implementation {
@@ -34,6 +36,7 @@ struct ThreadPool::Implementation {
       if (begin >= count) return;
       try {
         (*body)(begin, std::min(count, begin + grain));
+        system::keep_to_memory();
       } catch (...) {
         const std::lock_guard lock(mutex);
         if (!error) error = std::current_exception();
@@ -82,7 +85,10 @@ void ThreadPool::for_ranges(std::size_t count, std::size_t grain,
   Implementation& pool = *implementation_;
   grain = std::max<std::size_t>(1, grain);
   if (pool.workers.empty() || count <= grain) {
-    for (std::size_t begin = 0; begin < count; begin += grain) body(begin, std::min(count, begin + grain));
+    for (std::size_t begin = 0; begin < count; begin += grain) {
+      body(begin, std::min(count, begin + grain));
+      system::keep_to_memory();
+    }
     return;
   }
   {

@@ -49,6 +49,14 @@ std::optional<double> broad_side(const EvenPoints& object, const Eigen::Vector3d
   return std::atan2(thin.y(), thin.x()) / FaceRing::kTurn;
 }
 
+// The turns, `turns` or parts of a whole turn beside it, that are nearest to `wanted`; nothing where none is near.
+std::optional<double> near(double turns, double wanted, double part) {
+  constexpr double kNear = 30.0 * std::numbers::pi / 180.0 / FaceRing::kTurn;
+  const double apart = std::remainder(turns - wanted, static_cast<double>(FaceRing::kTurns) * part);
+  if (std::abs(apart) > kNear) return std::nullopt;
+  return wanted + apart;
+}
+
 }  // namespace
 
 std::optional<FrontView> find_front(const EvenPoints& object, const Standing& standing) {
@@ -83,9 +91,18 @@ std::optional<FrontView> find_front(const EvenPoints& object, const Standing& st
   front.up = up;
   front.standing_open = standing.open;
   front.rival = standing.room ? 1.0 : rival_of(turns);  // walls have no face
+  const auto turns_to = [&](const Eigen::Vector3d& side) {
+    return std::atan2(side.dot(up.cross(ring.ahead())), side.dot(ring.ahead())) / FaceRing::kTurn;
+  };
   if (standing.face) {
     front.rival = 0.0;
-    turns = std::atan2(standing.face->dot(up.cross(ring.ahead())), standing.face->dot(ring.ahead())) / FaceRing::kTurn;
+    turns = turns_to(*standing.face);
+  } else if (standing.open_side) {
+    front.rival = 0.0;
+    const double open = turns_to(*standing.open_side);
+    // Beside the nearest of a few directions, the one that the walls have.
+    const std::optional<double> broad = broad_side(object, ring.ahead(), up);
+    turns = near(broad.value_or(turns), open, broad ? 0.25 : 1.0).value_or(open);
   } else if (front.no_face()) {
     // No side is like a face: of the broad sides, or of those along the scan's axes where none is broad.
     const std::optional<double> broad = broad_side(object, ring.ahead(), up);
@@ -106,8 +123,9 @@ std::optional<FrontView> find_front(const EvenPoints& object, const Standing& st
     front.look_from = (front.look_from[nearest] > 0.0 ? 1.0 : -1.0) * Eigen::Vector3d::Unit(nearest);
   front.reason = fmt::format(
       "{}: {}, and {}", standing.room ? "a room" : "a solid object", standing.reason,
-      standing.room ? "all of its walls hide what is in it: this side is a guess, look at it, turn it, and crop the "
-                      "walls or the ceiling before what is meant"
+      standing.open_side ? "it is open on this side"
+      : standing.room ? "all of its walls hide what is in it: this side is a guess, look at it, turn it, and crop the "
+                        "walls or the ceiling before what is meant"
       : front.no_face()
           ? "no side is clearly more like a face than the others: this one is a guess, look at it and turn it"
       : front.standing_open ? "it may as well stand in another way: this side is a guess, look at it and turn it"

@@ -29,7 +29,9 @@ struct Standing {
   /// Unit, at right angles to `up`: where a human face looks to.
   std::optional<Eigen::Vector3d> face{};
   bool open = false;  ///< another way to stand is nearly as good
-  bool room = false;  ///< scanned from inside: what stands in it is hidden from all sides
+  bool room = false;  ///< scanned from inside: what stands in it is hidden from all sides, or from all but one
+  /// Unit, not along `up`: the one side of a room that shows what stands in it.
+  std::optional<Eigen::Vector3d> open_side{};
 };
 /// Up where form tells nothing: z where `z_up`, else y.
 [[nodiscard]] Standing customary_standing(bool z_up);

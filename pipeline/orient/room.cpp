@@ -27,8 +27,12 @@ constexpr double kWall = 0.08;         // of the plan's width: nearer to its bor
 constexpr double kAsFar = 0.9;         // of the plan's reach in a direction
 constexpr double kWalled = 0.6;        // of the directions
 constexpr double kThings = 0.04;       // of the plan within the walls, over which things stand
-constexpr double kSurely = 0.04;       // of the height, that the middle of things lies beside the room's
-constexpr double kShown = 0.06;        // of things, see shown_outside()
+constexpr double kSurely = 0.025;      // of the height, that the middle of things lies beside the room's
+constexpr double kShown = 0.06;        // of things, see Shown
+constexpr double kOpenSide = 0.28;     // of things, from an open side
+constexpr double kOneSide = 0.4;       // of what is shown, that no other side balances
+constexpr double kMostAside = 0.1;     // of the height; farther aside, things tell no more which direction is up
+constexpr double kByThings = 3.0;      // what they tell at most, times what floor and ceiling do
 constexpr double kClearlyMore = 0.05;  // of the surface, that another direction's floor and ceiling have more than z's
 
 // Cells of a plan, row by row.
@@ -125,23 +129,34 @@ double walled(const EvenPoints& object, const Eigen::Vector3d& up, const std::ve
   return static_cast<double>(count) / static_cast<double>(kSectors);
 }
 
-// How well `things` are seen from outside: the share that the best side shows times that of a side on average. Half of
-// a solid is seen from its best side, a third or a fifth on average; a room's walls hide what is in it but for doors
-// and what was not scanned: 0.04 for a real room with many gaps, 0.08 and more for solids
-// (tests/pipeline/orient/room_test.cpp).
-double shown_outside(const EvenPoints& object, std::vector<Eigen::Vector3d> things) {
+// How well things are seen from outside.
+struct Shown {
+  double most = 0.0;                                  // the share that the best side shows
+  double mean = 0.0;                                  // the share that a side shows on average
+  Eigen::Vector3d towards = Eigen::Vector3d::Zero();  // the mean of the sides, each of the length of its share
+
+  // Half of a solid is seen from its best side, a third or a fifth on average; a room's walls hide what is in it but
+  // for doors and what was not scanned: 0.04 for a real room with many gaps, 0.08 and more for solids
+  // (tests/pipeline/orient/room_test.cpp).
+  [[nodiscard]] bool of_a_room() const { return most * mean <= kShown; }
+  // From before a shrine or a niche 0.29 to 0.49 are seen, and 0.42 to 0.86 of what is shown no other side balances;
+  // 0.33 and 0.36 of the room with gaps.
+  [[nodiscard]] bool from_one_side() const { return most >= kOpenSide && towards.norm() >= kOneSide * mean; }
+};
+
+Shown shown_outside(const EvenPoints& object, std::vector<Eigen::Vector3d> things) {
   EvenPoints of_things = object;
   of_things.points = std::move(things);
   const std::vector<Eigen::Vector3d> sides = sides_all_around();
-  double most = 0.0;
-  double sum = 0.0;
+  Shown shown;
   for (const Eigen::Vector3d& side : sides) {
     const Eigen::Vector3d up = side.unitOrthogonal();
     const double share = seen_share(of_things, picture_from(object, side, up), side, up);
-    most = std::max(most, share);
-    sum += share;
+    shown.mean += share / static_cast<double>(sides.size());
+    shown.most = std::max(shown.most, share);
+    shown.towards += share / static_cast<double>(sides.size()) * side;
   }
-  return most * sum / static_cast<double>(sides.size());
+  return shown;
 }
 
 std::optional<Room> room_along(const EvenPoints& object, const Eigen::Vector3d& up) {
@@ -180,14 +195,18 @@ std::optional<Room> room_along(const EvenPoints& object, const Eigen::Vector3d& 
   }
   if (things.empty() || static_cast<double>(std::count(occupied.begin(), occupied.end(), true)) < kThings * within)
     return std::nullopt;
-  if (shown_outside(object, std::move(places)) > kShown) return std::nullopt;
-  Room room{up, floor.covered, ceiling.covered, 0.0, false};
+  const Shown shown = shown_outside(object, std::move(places));
+  if (!shown.of_a_room()) return std::nullopt;
+  Room room{up, floor.covered, ceiling.covered};
+  if (shown.from_one_side()) room.open_side = shown.towards.normalized();
   const auto flat = std::count_if(heights.begin(), heights.end(), [&](double h) {
     return (h >= floor.low && h <= floor.low + thickness) || (h >= ceiling.low && h <= ceiling.low + thickness);
   });
   room.share = static_cast<double>(flat) / static_cast<double>(heights.size());
   const double aside = (quantile(things, 0.5) - middle) / height;
   room.by_things = std::abs(aside) > kSurely;
+  const double told = std::clamp((std::abs(aside) - kSurely) / (kMostAside - kSurely), 0.0, 1.0);
+  room.worth = room.share * (1.0 + kByThings * told);
   if (room.by_things && aside > 0.0) {
     room.up = -up;
     std::swap(room.floor, room.ceiling);
@@ -205,7 +224,7 @@ std::optional<Room> room_of(const EvenPoints& object, const std::vector<Eigen::V
   std::optional<Room> best;
   for (const Eigen::Vector3d& up : directions) {
     const std::optional<Room> room = room_along(object, up);
-    if (room && (!best || room->share > best->share + kClearlyMore)) best = room;
+    if (room && (!best || room->worth > best->worth + kClearlyMore)) best = room;
   }
   return best;
 }

@@ -15,7 +15,10 @@ struct Room {
   double floor = 0.0;      ///< share of the plan that the floor covers, 0 to 1
   double ceiling = 0.0;    ///< the same of the ceiling
   double share = 0.0;      ///< of the whole surface, floor and ceiling
+  double worth = 0.0;      ///< the share, and how far things lie nearer to one of the two
   bool by_things = false;  ///< what stands in it tells which of the two is the floor; else custom does
+  /// Unit, scan frame: the side that shows what is in it, as a niche, a shrine or a stage has; the nearest of 26.
+  std::optional<Eigen::Vector3d> open_side{};
 };
 
 /// The direction between floor and ceiling, where both cover a good part of the plan, walls stand around it, and things
@@ -23,8 +26,9 @@ struct Room {
 /// nothing inside, and of any other solid half is seen from some side. Of directions along
 /// the axes of the scan and of `tilted` ones (unit, scan frame). Things lie nearer to the floor; where that tells
 /// nothing, up is towards the positive axis. Of several directions, the one whose floor and ceiling have most of the
-/// surface; where they are alike, z, since the frames of what scans rooms have z up by custom. So a corridor that is
-/// higher than wide lies on its side. Empty when it is no room. Depends on the set of points alone.
+/// surface, and to whose floor things lie nearest: a shrine is higher than wide, but stands on its floor. Where they
+/// are alike, z, since the frames of what scans rooms have z up by custom. Empty when it is no room. Depends on the set
+/// of points alone.
 [[nodiscard]] std::optional<Room> room_of(const EvenPoints& object, const std::vector<Eigen::Vector3d>& tilted);
 
 }  // namespace sparsha::pipeline

@@ -26,6 +26,7 @@ constexpr double kSideways = 0.15;      // less for x, which no custom calls up:
 constexpr double kUpsideDown = 0.25;    // less for what custom calls down
 constexpr double kTilted = 0.25;        // less for a base that lies along no axis of the scan
 constexpr double kEvidentFoot = 0.2;    // more than that of the opposite side
+constexpr double kAlongUp = 0.6;        // cosine: a side that is open nearly above or below is no front
 constexpr double kClearly = 0.1;        // more than another way to stand has, by its plane of symmetry
 constexpr double kFace = 0.4;           // of a face that is e times less of one
 constexpr double kMostFace = 0.8;       // that no face takes away more than
@@ -51,14 +52,16 @@ Standing standing_of_room(const Room& room) {
   const double most = room.up.cwiseAbs().maxCoeff(&axis);
   const std::string name = most < 1.0 - 1e-9 ? std::string("up is")
                                              : fmt::format("{}{} is up:", room.up[axis] < 0.0 ? "-" : "", "xyz"[axis]);
-  return {room.up,
-          fmt::format("{} from floor to ceiling ({:.0f} and {:.0f} % of the plan), {}", name, 100.0 * room.floor,
-                      100.0 * room.ceiling,
-                      room.by_things ? "of which what stands in the room is nearer to the floor"
-                                     : "of which custom tells the floor"),
-          {},
-          false,
-          true};
+  Standing standing{room.up,
+                    fmt::format("{} from floor to ceiling ({:.0f} and {:.0f} % of the plan), {}", name,
+                                100.0 * room.floor, 100.0 * room.ceiling,
+                                room.by_things ? "of which what stands in the room is nearer to the floor"
+                                               : "of which custom tells the floor"),
+                    {},
+                    false,
+                    true};
+  if (room.open_side && std::abs(room.open_side->dot(room.up)) < kAlongUp) standing.open_side = room.open_side;
+  return standing;
 }
 
 // A direction that may be up, and what speaks for it.

@@ -218,5 +218,58 @@ TEST(Room, SolidsAreNoneHoweverTheyWereTurned) {
   }
 }
 
+// A figure on a block before the back wall of a box without its front wall, which looks to -y. z is up.
+Points shrine(const Eigen::Vector3d& size) {
+  const Eigen::Vector3d half = 0.5 * size;
+  const double height = size.z();
+  return surface_of(
+      {block({0, 0, -0.04}, {half.x(), half.y(), 0.04}), block({0, 0, height + 0.04}, {half.x(), half.y(), 0.04}),
+       block({-half.x() + 0.03, 0, half.z()}, {0.03, half.y(), half.z()}),
+       block({half.x() - 0.03, 0, half.z()}, {0.03, half.y(), half.z()}),
+       block({0, half.y() - 0.03, half.z()}, {half.x(), 0.03, half.z()}),
+       block({0, 0.1, 0.1 * height}, {0.3, 0.2, 0.1 * height}),
+       limb({0, 0.1, 0.2 * height}, {0, 0.1, 0.65 * height}, 0.14), ball({0, 0.1, 0.76 * height}, {0.1, 0.1, 0.13})},
+      8'000.0);
+}
+
+// What of it a scanner before its open side may see.
+Points inside_of(const Points& points, const Eigen::Vector3d& size) {
+  Points inside;
+  for (const Eigen::Vector3d& p : points) {
+    const bool within = std::abs(p.x()) < 0.5 * size.x() - 0.03 && p.y() < 0.5 * size.y() - 0.03 &&
+                        p.y() > -0.5 * size.y() + 0.01 && p.z() > -0.02 && p.z() < size.z() + 0.02;
+    if (within) inside.push_back(p);
+  }
+  return inside;
+}
+
+TEST(Room, OfWhichOneSideIsOpenStandsOnItsFloorAndIsSeenFromThatSide) {
+  const bool nightly = std::getenv("SPARSHA_NIGHTLY") != nullptr;
+  const std::vector<Eigen::Matrix3d> turns = {
+      other_ups()[1], Eigen::AngleAxisd(25.0 * kDegree, Eigen::Vector3d(0.3, 1, 0.2).normalized()).toRotationMatrix()};
+  const std::vector<Eigen::Vector3d> sizes = {{1.2, 0.9, 1.8}, {2.0, 1.0, 1.5}, {1.0, 1.5, 1.5}};
+  int upright = 0, seen = 0, said = 0, all = 0;
+  for (const Eigen::Vector3d& size : sizes) {
+    for (const bool from_inside : {false, true}) {
+      const Points points = from_inside ? inside_of(shrine(size), size) : shrine(size);
+      for (std::size_t t = 0; t < turns.size(); ++t) {
+        if (!nightly && (t == 0) == from_inside) continue;
+        const EvenPoints even = even_points(turned(points, turns[t]));
+        const std::optional<Standing> standing = standing_of(even, false);
+        ASSERT_TRUE(standing);
+        const std::optional<FrontView> front = find_front(even, *standing);
+        ASSERT_TRUE(front);
+        upright += angle_deg(standing->up, turns[t] * Eigen::Vector3d::UnitZ()) < 5.0 ? 1 : 0;
+        seen += angle_deg(front->look_from, turns[t] * -Eigen::Vector3d::UnitY()) < 10.0 ? 1 : 0;
+        said += standing->open_side ? 1 : 0;
+        ++all;
+      }
+    }
+  }
+  EXPECT_GE(upright, all - 1);
+  EXPECT_GE(seen, all - 2);
+  EXPECT_GE(said, all - 3);
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline
