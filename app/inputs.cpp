@@ -5,8 +5,10 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <span>
 
 #include "base/error.h"
+#include "base/system/process.h"
 #include "pipeline/scan/companions.h"
 #include "pipeline/scan/named_file.h"
 #include "pipeline/suggest/suggest.h"
@@ -175,6 +177,15 @@ std::uint64_t parse_bytes(const std::string& text) {
     throw usage_error("'" + text + "' is not an amount of memory", "e.g. 1GB or 800MB");
   }
   return static_cast<std::uint64_t>(bytes);
+}
+
+std::string program_digest() {
+  constexpr std::size_t kMostBytes = std::size_t{1} << 30U;  // the program is 15 MB
+  return sha256(std::as_bytes(std::span<const char>(read_file(system::program_file(), kMostBytes))));
+}
+
+fs::path hidden_beside(const fs::path& result, const char* ending) {
+  return result.parent_path() / ("." + result.filename().string() + ending);
 }
 
 }  // namespace sparsha::app

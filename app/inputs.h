@@ -65,4 +65,10 @@ void check_outputs(const std::vector<NamedPath>& outputs, const scene::Scene& sc
 /// "1GB", "800 MB", "123456": bytes. Throws Error{usage}.
 [[nodiscard]] std::uint64_t parse_bytes(const std::string& text);
 
+/// A SHA-256 of the program's own file: what it keeps for a later run is for no other program.
+[[nodiscard]] std::string program_digest();
+
+/// Where results are kept until `result` is whole: .NAME and the ending, in the same folder.
+[[nodiscard]] std::filesystem::path hidden_beside(const std::filesystem::path& result, const char* ending);
+
 }  // namespace sparsha::app

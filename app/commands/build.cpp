@@ -9,7 +9,6 @@
 #include <memory>
 #include <new>
 #include <optional>
-#include <span>
 #include <thread>
 
 #include "app/commands/commands.h"
@@ -48,8 +47,6 @@ struct Arguments {
   std::string only;
 };
 
-constexpr std::size_t kMostProgram = std::size_t{1} << 30U;  // bytes; the program is 15 MB
-
 // "statue.yaml" -> "statue.scene" beside it; a scene's own scene.yaml -> that scene, built again; scans -> beside the
 // first scan's name in the current folder.
 fs::path default_folder(const Arguments& arguments) {
@@ -71,9 +68,7 @@ fs::path scene_folder(const Arguments& arguments) {
 }
 
 // "statue.scene" -> ".statue.scene.tiles" beside it.
-fs::path tiles_of(const fs::path& folder) {
-  return folder.parent_path() / ("." + folder.filename().string() + ".tiles");
-}
+fs::path tiles_of(const fs::path& folder) { return hidden_beside(folder, ".tiles"); }
 
 // Before scans are read: a scene that cannot be written need not be built.
 void require_place(const fs::path& folder) {
@@ -100,7 +95,7 @@ int run_build(const Arguments& arguments, const CommonOptions& common, pipeline:
   const fs::path folder = scene_folder(arguments);
   if (arguments.resume) options.finished_tiles = tiles_of(folder);
   if (arguments.resume || transport != nullptr) {
-    options.program = sha256(std::as_bytes(std::span<const char>(read_file(system::program_file(), kMostProgram))));
+    options.program = program_digest();
   }
   if (arguments.resume && transport != nullptr)
     throw usage_error("--resume is for one process, and this one was started by a launcher of MPI",

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include "app/commands/commands.h"
@@ -14,6 +15,7 @@
 #include "base/files/files.h"
 #include "base/text/text.h"
 #include "base/threads/thread_pool.h"
+#include "pipeline/register/finished_pairs.h"
 #include "pipeline/register/register.h"
 #include "pipeline/report/registration_page.h"
 #include "scene/config/config.h"
@@ -30,6 +32,7 @@ struct Arguments {
   std::string report;
   std::vector<std::string> settings;
   unsigned threads = 0;
+  bool resume = false;
 };
 
 std::string sentence(const scene::Config& config, const pipeline::FirstGuess& guess) {
@@ -109,14 +112,22 @@ int run_register(const Arguments& arguments, const CommonOptions& common) {
     throw usage_error("'" + arguments.config + "' is not a configuration",
                       "a CONFIG.yaml with two or more scans; `sparsha new SCAN...` writes a first one");
   }
+  if (arguments.resume && arguments.out.empty())
+    throw usage_error("--resume keeps results beside the file of --out, and there is none", "--out FILE.yaml");
   check_outputs({{"--out", arguments.out}, {"--report", arguments.report}}, {arguments.config}, {}, arguments.settings);
   const scene::Config config =
       config_from({arguments.config}, arguments.settings, common.trusted(), terminal.progress());
+  const fs::path kept = arguments.out.empty() ? fs::path() : hidden_beside(arguments.out, ".pairs");
+  std::optional<pipeline::FinishedPairs> finished;
+  if (arguments.resume) finished.emplace(kept, program_digest());
   ThreadPool pool(arguments.threads);
-  const pipeline::Registration found = pipeline::register_scans(
-      config.scans, config.registration.value_or(scene::RegisterConfig{}), {pool, terminal.progress()});
+  const pipeline::Registration found =
+      pipeline::register_scans(config.scans, config.registration.value_or(scene::RegisterConfig{}),
+                               {pool, terminal.progress()}, finished ? &*finished : nullptr);
   terminal.progress().finish();
   end_progress_line();
+  if (finished && finished->taken() > 0)
+    terminal.message(fmt::format("results of pairs taken from a registration that was ended: {}", finished->taken()));
   std::istringstream lines(common.plain ? registration_sentences(config, found) : table(config, found));
   for (std::string line; std::getline(lines, line);) terminal.message(line);  // which is for one line
   const fs::path folder = arguments.out.empty() ? fs::path() : fs::path(arguments.out).parent_path();
@@ -125,6 +136,8 @@ int run_register(const Arguments& arguments, const CommonOptions& common) {
     yaml = scene::text_with_poses(arguments.config, config, found.poses, folder);
   if (!arguments.out.empty()) write_file(arguments.out, yaml);
   if (!arguments.report.empty()) write_file(arguments.report, page(arguments, config, found));
+  finished.reset();
+  if (!kept.empty()) pipeline::remove_finished_pairs(kept);
   if (common.json) {
     print(json(config, found));
   } else if (arguments.out.empty()) {
@@ -143,6 +156,10 @@ void add_register(Command app, const CommonOptions& common, Run& run) {
   command.add_option("--report", arguments->report, "page of the scans' graph, overlap and residual before and after");
   command.add_option("--set", arguments->settings, "override a key, e.g. register.voxel_mm=1").collects().takes_one();
   command.add_option("--threads", arguments->threads, "threads; 0 = one a core").check(whole_between(0U, 1024U));
+  command.add_flag(
+      "--resume", arguments->resume,
+      "keep results of pairs beside --out until all poses are found, and go on from those of a registration "
+      "that was ended");
   command.callback(
       [arguments, &common, &run] { run = [arguments, &common] { return run_register(*arguments, common); }; });
 }

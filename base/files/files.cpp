@@ -240,6 +240,14 @@ std::string read_file(const fs::path& file, std::size_t limit) {
   return mapped.whole([&] { return std::string(mapped.text()); });
 }
 
+void remove_own_file(const fs::path& file, std::string_view begin) {
+  std::error_code code;
+  if (!fs::is_regular_file(fs::symlink_status(file, code))) return;
+  std::string first(begin.size(), '\0');
+  std::ifstream(file, std::ios::binary).read(first.data(), static_cast<std::streamsize>(first.size()));
+  if (first == begin) fs::remove(file, code);
+}
+
 MappedFile::MappedFile(const fs::path& file) : file_(file), mapping_(system::map_file(file)) {}
 
 MappedFile::~MappedFile() { system::unmap_file(mapping_); }

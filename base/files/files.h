@@ -71,6 +71,9 @@ void write_file(const std::filesystem::path& target, std::string_view bytes);
 /// Reads a whole file. Throws Error{input} when it is missing, not a regular file or larger than `limit` bytes.
 [[nodiscard]] std::string read_file(const std::filesystem::path& file, std::size_t limit);
 
+/// Removes a regular file that begins with these bytes; any other one, a folder or a link stays.
+void remove_own_file(const std::filesystem::path& file, std::string_view begin);
+
 /// Read-only view of a file's bytes. Throws Error{input} when it cannot be opened or is not a regular file.
 class MappedFile {
  public:

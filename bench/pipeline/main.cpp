@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kUsage =
     "usage: bench_pipeline [--out DIR] [--mode quick|full|all] [--strict] [--only "
-    "peers|scaling|formats|accuracy|closed|normals|filters|registration|mtf|speed|c2m|huge]\n"
+    "peers|scaling|sites|formats|accuracy|closed|normals|filters|registration|mtf|speed|c2m|huge]\n"
     "                      [--scenes TEXT] [--no-cloudcompare] [--all] [--huge POINTS] [--program PATH]\n";
 
 }  // namespace
@@ -63,6 +63,7 @@ int main(int argc, char** argv) {
     const auto in_all = [&](const char* part) { return only == part || (only.empty() && everything); };
     if (always("peers")) sparsha::bench::run_peers(options);
     if (always("scaling")) sparsha::bench::run_scaling(options);
+    if (always("sites")) sparsha::bench::run_sites(options);
     if (always("formats")) sparsha::bench::run_formats(options);
     if (in_full("accuracy")) kept = sparsha::bench::run_accuracy(options) && kept;
     if (in_full("closed")) kept = sparsha::bench::run_closed(options) && kept;

@@ -38,6 +38,8 @@ void run_registration(const RunOptions& options);
 void run_peers(const RunOptions& options);
 /// Stages of a build against points and nodes: pipeline_scaling.csv.
 void run_scaling(const RunOptions& options);
+/// Whole programs against the points: time, memory, bytes read and written: pipeline_sites.csv.
+void run_sites(const RunOptions& options);
 /// Points a second of each reader beside the speed of reading the file's bytes: pipeline_formats.csv.
 void run_formats(const RunOptions& options);
 /// Scans that do not fit their --memory, a tenth of the points and all of them, beside the same builds in memory:

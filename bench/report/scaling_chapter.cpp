@@ -1,5 +1,8 @@
 // How time grows with points and nodes.
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <string>
 #include <vector>
 
 #include "base/text/html.h"
@@ -80,6 +83,52 @@ std::string table_of(const std::vector<Series>& all, const std::string& caption,
   return html_table(caption, heads, rows);
 }
 
+// One row for what each program took of each kind.
+std::string programs_table(const Table& sites) {
+  struct Kind {
+    const char* column;
+    const char* name;
+    const char* format;
+    double floor;  // smaller ones are start-up
+  };
+  const std::array<Kind, 4> kinds{
+      Kind{"seconds", "time", "%.2f s", 0.1}, Kind{"peak_mb", "peak memory", "%.0f MB", 50.0},
+      Kind{"read_mb", "read from disk", "%.0f MB", 1.0}, Kind{"written_mb", "written to disk", "%.0f MB", 1.0}};
+  std::vector<double> counts;
+  std::vector<std::string> programs;
+  const auto once = [](auto& list, const auto& value) {
+    if (std::find(list.begin(), list.end(), value) == list.end()) list.push_back(value);
+  };
+  for (std::size_t row = 0; row < sites.rows.size(); ++row) {
+    once(counts, sites.number(row, "points"));
+    once(programs, sites.text(row, "program"));
+  }
+  std::sort(counts.begin(), counts.end());
+  std::vector<std::string> heads = {"program", "takes"};
+  for (const double count : counts) heads.push_back(text_of("%.0f ", count) + "points");
+  heads.emplace_back("exponent");
+  std::vector<HtmlRow> rows;
+  for (const std::string& program : programs) {
+    for (const Kind& kind : kinds) {
+      HtmlRow cells{{escape_html(program)}, {kind.name}};
+      std::vector<double> had, values;
+      for (const double count : counts) {
+        std::string text;
+        for (std::size_t row = 0; row < sites.rows.size(); ++row) {
+          if (sites.text(row, "program") != program || sites.number(row, "points") != count) continue;
+          had.push_back(count);
+          values.push_back(sites.number(row, kind.column));
+          text = text_of(kind.format, values.back());
+        }
+        cells.push_back({text});
+      }
+      cells.push_back({exponent_text(fit_exponent(had, values, kind.floor))});
+      rows.push_back(cells);
+    }
+  }
+  return html_table("Whole programs against the points, start and files included", heads, rows);
+}
+
 }  // namespace
 
 std::string scaling_html(const std::filesystem::path& folder) {
@@ -90,6 +139,7 @@ std::string scaling_html(const std::filesystem::path& folder) {
                        against == "points" ? "Stages of a build against the points, 160 000 nodes"
                                            : "Stages of a build against the nodes, the same number of points",
                        against, kFloor_s);
+  if (const auto sites = read_table(folder / "pipeline_sites.csv")) html += programs_table(*sites);
   if (const auto race = read_table(folder / "race.csv"))
     html += table_of(updates_of(*race), "Median update of each method against the points of its surface", "size",
                      kTickFloor_s);

@@ -179,12 +179,6 @@ void FinishedTiles::add(const Tile& tile, const TileNodes& nodes) {
   if (!stream_) throw cannot_write(file_);
 }
 
-void remove_finished_tiles(const std::filesystem::path& file) {
-  std::error_code code;
-  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(file, code))) return;
-  std::string first(std::string_view(kFormat).size(), '\0');
-  std::ifstream(file, std::ios::binary).read(first.data(), static_cast<std::streamsize>(first.size()));
-  if (first == kFormat) std::filesystem::remove(file, code);
-}
+void remove_finished_tiles(const std::filesystem::path& file) { remove_own_file(file, kFormat); }
 
 }  // namespace sparsha::pipeline

@@ -3,6 +3,7 @@
 #include "pipeline/register/first_guess.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <optional>
@@ -11,7 +12,9 @@
 
 #include "base/error.h"
 #include "base/numbers/hash.h"
+#include "pipeline/register/aligned_pair.h"
 #include "pipeline/register/features.h"
+#include "pipeline/register/finished_pairs.h"
 #include "pipeline/register/graph.h"
 #include "pipeline/register/line_of_sight.h"
 #include "pipeline/register/match.h"
@@ -67,10 +70,12 @@ struct Place {
 
 class Guesser {
  public:
-  Guesser(PosedScans& scans, const scene::RegisterConfig& config, const Context& context)
-      : posed_(scans), scans_(scans.scans), config_(config), context_(context) {
+  Guesser(PosedScans& scans, const scene::RegisterConfig& config, const Context& context, FinishedPairs* finished)
+      : posed_(scans), scans_(scans.scans), config_(config), context_(context), finished_(finished) {
     longest_m_ = posed_.longest_m();
     spacing_m_ = posed_.spacing_m(&PosedScan::medium);
+    if (finished_ == nullptr) return;
+    for (const PosedScan& scan : scans_) digests_.push_back(digest_of(scan));
   }
 
   std::vector<FirstGuess> run() {
@@ -136,8 +141,33 @@ class Guesser {
 
   void guess(const std::vector<Edge>& pairs) {
     std::vector<std::vector<Candidate>> found(pairs.size());
-    for_all(pairs.size(), [&](std::size_t k) { found[k] = guesses_of(pairs[k]); });
+    for_all(pairs.size(),
+            [&](std::size_t k) { found[k] = finished_ != nullptr ? kept(pairs[k]) : guesses_of(pairs[k]); });
     for (const std::vector<Candidate>& some : found) candidates_.insert(candidates_.end(), some.begin(), some.end());
+  }
+
+  // The same as guesses_of(), which is asked once in all runs.
+  [[nodiscard]] std::vector<Candidate> kept(const Edge& edge) const {
+    constexpr std::size_t kNumbers = 14;  // of a candidate
+    const std::array decisive{static_cast<double>(edge.a), static_cast<double>(edge.b), longest_m_, spacing_m_,
+                              static_cast<double>(config_.method)};
+    const std::array digests{digests_[edge.a], digests_[edge.b]};
+    const std::string key = finished_->key_of("guessed", digests, decisive);
+    std::vector<double> numbers;
+    if (finished_->find(key, numbers) && numbers.size() % kNumbers == 0) {
+      std::vector<Candidate> found;
+      for (auto next = numbers.data(); found.size() < numbers.size() / kNumbers; next += kNumbers)
+        found.push_back({edge.a, edge.b, motion_of(next + 2), next[0], next[1] != 0.0});
+      return found;
+    }
+    numbers.clear();
+    const std::vector<Candidate> found = guesses_of(edge);
+    for (const Candidate& candidate : found) {
+      numbers.insert(numbers.end(), {candidate.overlap, candidate.slides ? 1.0 : 0.0});
+      add_numbers(candidate.second_to_first, numbers);
+    }
+    finished_->add(key, numbers);
+    return found;
   }
 
   [[nodiscard]] std::vector<Candidate> guesses_of(const Edge& edge) const {
@@ -359,6 +389,8 @@ class Guesser {
   std::vector<PosedScan>& scans_;
   const scene::RegisterConfig& config_;
   const Context& context_;
+  FinishedPairs* finished_;           ///< null where nothing is kept
+  std::vector<std::string> digests_;  ///< of each scan, where results are kept
   double longest_m_ = 0.0;
   double spacing_m_ = 0.0;
   std::vector<ScanFeatures> features_;
@@ -371,8 +403,9 @@ class Guesser {
 
 }  // namespace
 
-std::vector<FirstGuess> guess_poses(PosedScans& scans, const scene::RegisterConfig& config, const Context& context) {
-  return Guesser(scans, config, context).run();
+std::vector<FirstGuess> guess_poses(PosedScans& scans, const scene::RegisterConfig& config, const Context& context,
+                                    FinishedPairs* finished) {
+  return Guesser(scans, config, context, finished).run();
 }
 
 }  // namespace sparsha::pipeline

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <span>
 
 #include <fmt/format.h>
 
 #include "base/error.h"
+#include "base/files/files.h"
 #include "base/numbers/statistics.h"
 #include "pipeline/scan/empty_scan.h"
 #include "pipeline/scan/origin.h"
@@ -223,6 +225,26 @@ PosedScan read_one(const scene::ScanConfig& config, double voxel_m, bool trusted
 }  // namespace
 
 // The scans of one object lie behind each other's surfaces, as seen from where they were made.
+std::string digest_of(const PosedScan& scan) {
+  std::vector<double> numbers;
+  const auto add = [&](const Eigen::Vector3d& v) { numbers.insert(numbers.end(), v.begin(), v.end()); };
+  add(scan.middle_m);
+  add(scan.guessed_view);
+  add(scan.place.value_or(Eigen::Vector3d::Zero()));
+  numbers.insert(numbers.end(), {scan.longest_m, scan.place ? 1.0 : 0.0});
+  for (const StationSurface* surface : {scan.fine.get(), scan.medium.get(), scan.coarse.get()}) {
+    const StationSurface& level = *surface;
+    numbers.insert(numbers.end(), {level.spacing_m(), level.roughness_m(), level.signed_normals() ? 1.0 : 0.0,
+                                   static_cast<double>(level.elements().size())});
+    for (const StationSurface::Element& element : level.elements()) {
+      add(element.point);
+      add(element.normal);
+      numbers.push_back(element.border ? 1.0 : 0.0);
+    }
+  }
+  return sha256(std::as_bytes(std::span<const double>(numbers)));
+}
+
 void turn_views(std::vector<PosedScan>& scans) {
   constexpr double kClear = 0.1;  // longest sides by which the others lie in front
   for (PosedScan& scan : scans) {

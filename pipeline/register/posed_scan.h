@@ -46,6 +46,10 @@ struct PosedScans {
 [[nodiscard]] PosedScans read_posed_scans(const std::vector<scene::ScanConfig>& scans, double voxel_m, bool trusted,
                                           const Context& context);
 
+/// A SHA-256 of all that the result of a pair with this scan depends on: everything but its name, its pose and where
+/// its origin lies.
+[[nodiscard]] std::string digest_of(const PosedScan& scan);
+
 /// Where the side from which a scan was made was guessed, and the others lie in front of it, it was the other side.
 void turn_views(std::vector<PosedScan>& scans);
 

@@ -2,6 +2,7 @@
 #include "pipeline/register/register.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <functional>
@@ -12,6 +13,8 @@
 
 #include "base/error.h"
 #include "base/text/text.h"
+#include "pipeline/register/aligned_pair.h"
+#include "pipeline/register/finished_pairs.h"
 #include "pipeline/register/first_guess.h"
 #include "pipeline/register/graph.h"
 #include "pipeline/register/match.h"
@@ -39,18 +42,6 @@ constexpr double kOtherUnit = 50.0;      // ratio of longest sides beyond which 
 constexpr std::size_t kPairsOfScan = 3;  // that are aligned, for each scan of a set
 constexpr double kCell = 0.5;            // reaches: the grid that tells which scans may have something in common
 
-/// A pair while it is worked on.
-struct Pair {
-  PairFit fit;
-  bool tried = false;
-  bool candidate = false;
-  bool any_sign = false;  ///< normals face opposite sides where the scans meet: their signs were guessed wrongly
-  Eigen::Isometry3d aligned = Eigen::Isometry3d::Identity();  ///< second to first
-  Agreement agreement;                                        ///< of the medium surfaces, when aligned
-  Hold hold;                                                  ///< of the fine ones
-  bool unsure = false;                                        ///< whether this is the place
-};
-
 bool is_rigid(const Eigen::Matrix4d& pose) {
   const Eigen::Matrix3d turn = pose.topLeftCorner<3, 3>();
   return (turn * turn.transpose()).isIdentity(kRigid);
@@ -63,8 +54,8 @@ PairFit::Fit fit_of(const Agreement& agreement, double within_m) {
 class Registrar {
  public:
   Registrar(const std::vector<scene::ScanConfig>& scans, const scene::RegisterConfig& config,
-            scene::RegisterConfig::Guess guess, const Context& context)
-      : given_(scans), config_(config), context_(context) {
+            scene::RegisterConfig::Guess guess, const Context& context, FinishedPairs* finished)
+      : given_(scans), config_(config), context_(context), finished_(finished) {
     if (scans.size() < 2) {
       throw usage_error("one scan alone cannot be registered", "a configuration with two or more scans");
     }
@@ -72,7 +63,7 @@ class Registrar {
     posed_ = read_posed_scans(scans, config.voxel_m, guess == scene::RegisterConfig::Guess::poses, context);
     for (const std::size_t place : posed_.places) configs_.push_back(scans[place]);
     if (guess == scene::RegisterConfig::Guess::features && configs_.size() > 1) {
-      guesses_ = guess_poses(posed_, config, context);
+      guesses_ = guess_poses(posed_, config, context, finished);
       turn_views(posed_.scans);
     }
     for (const PosedScan& scan : posed_.scans) rough_.push_back(scan.pose);
@@ -94,6 +85,8 @@ class Registrar {
                         "two or more scans with points");
     }
     context_.progress.begin("align pairs");
+    if (finished_ != nullptr)
+      for (const PosedScan& scan : posed_.scans) digests_.push_back(digest_of(scan));
     align_pairs();
     link();
     context_.progress.begin("relax");
@@ -114,7 +107,7 @@ class Registrar {
 
   std::vector<PairFit> measure() {
     context_.progress.begin("measure pairs");
-    for_pairs(pairs_within(fine_touch_m_), [this](Pair& pair) {
+    for_pairs(pairs_within(fine_touch_m_), [this](AlignedPair& pair) {
       measure_after(pair);
       pair.fit.before = pair.fit.after;
       if (pair.fit.after.overlap >= config_.min_overlap) pair.fit.use = PairFit::Use::used;
@@ -124,7 +117,7 @@ class Registrar {
 
  private:
   template <typename Work>
-  void for_pairs(const std::vector<Pair*>& pairs, const Work& work) {
+  void for_pairs(const std::vector<AlignedPair*>& pairs, const Work& work) {
     std::atomic<std::size_t> done{0};
     context_.pool.for_ranges(pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
@@ -136,10 +129,10 @@ class Registrar {
   }
 
   // Pairs that may have something within a distance in common, with the present poses.
-  [[nodiscard]] std::vector<Pair*> pairs_within(double distance_m) {
+  [[nodiscard]] std::vector<AlignedPair*> pairs_within(double distance_m) {
     const SharedCells cells(posed_.scans, distance_m);
-    std::vector<Pair*> result;
-    for (Pair& pair : pairs_)
+    std::vector<AlignedPair*> result;
+    for (AlignedPair& pair : pairs_)
       if (cells.share(pair.fit.first, pair.fit.second) > 0.0) result.push_back(&pair);
     return result;
   }
@@ -147,37 +140,37 @@ class Registrar {
   // The best few of each scan; where they do not link all scans, more of those that could.
   void align_pairs() {
     const SharedCells cells(posed_.scans, kCell * reach_m_);
-    std::vector<Pair*> now;
+    std::vector<AlignedPair*> now;
     for (const Edge& edge : cells.best_pairs(kPairsOfScan * posed_.scans.size())) now.push_back(&pair_of(edge));
     while (!now.empty()) {
-      for_pairs(now, [this](Pair& pair) { align(pair); });
+      for_pairs(now, [this](AlignedPair& pair) { align(pair); });
       now = untried_links(cells);
     }
   }
 
-  [[nodiscard]] Pair& pair_of(const Edge& edge) {
+  [[nodiscard]] AlignedPair& pair_of(const Edge& edge) {
     const std::size_t before = edge.a * (2 * posed_.scans.size() - edge.a - 1) / 2;  // pairs of scans before edge.a
     return pairs_[before + edge.b - edge.a - 1];
   }
 
   // Of the pairs that would link scans that are not linked yet, the best ones that were not tried.
-  [[nodiscard]] std::vector<Pair*> untried_links(const SharedCells& cells) {
+  [[nodiscard]] std::vector<AlignedPair*> untried_links(const SharedCells& cells) {
     std::vector<bool> reached(posed_.scans.size(), true);
     for (const std::size_t scan : heaviest_tree(posed_.scans.size(), used_edges()).unreached) reached[scan] = false;
-    std::vector<Pair*> left;
-    for (Pair& pair : pairs_)
+    std::vector<AlignedPair*> left;
+    for (AlignedPair& pair : pairs_)
       if (!pair.tried && reached[pair.fit.first] != reached[pair.fit.second]) left.push_back(&pair);
     std::ranges::stable_sort(left, std::greater(),
-                             [&](const Pair* pair) { return cells.share(pair->fit.first, pair->fit.second); });
+                             [&](const AlignedPair* pair) { return cells.share(pair->fit.first, pair->fit.second); });
     left.resize(std::min(left.size(), posed_.scans.size()));
     return left;
   }
 
-  [[nodiscard]] const PosedScan& first(const Pair& pair) const { return posed_.scans[pair.fit.first]; }
-  [[nodiscard]] const PosedScan& second(const Pair& pair) const { return posed_.scans[pair.fit.second]; }
+  [[nodiscard]] const PosedScan& first(const AlignedPair& pair) const { return posed_.scans[pair.fit.first]; }
+  [[nodiscard]] const PosedScan& second(const AlignedPair& pair) const { return posed_.scans[pair.fit.second]; }
 
-  [[nodiscard]] Agreement agree(const Pair& pair, std::unique_ptr<StationSurface> PosedScan::*level, double within_m,
-                                const Eigen::Isometry3d& second_to_first) const {
+  [[nodiscard]] Agreement agree(const AlignedPair& pair, std::unique_ptr<StationSurface> PosedScan::*level,
+                                double within_m, const Eigen::Isometry3d& second_to_first) const {
     MatchLimits limits;
     limits.distance_m = within_m;
     limits.most = kMediumPoints;
@@ -186,18 +179,36 @@ class Registrar {
                      limits);
   }
 
-  [[nodiscard]] Eigen::Isometry3d relative(const Pair& pair, const std::vector<Eigen::Isometry3d>& poses) const {
+  [[nodiscard]] Eigen::Isometry3d relative(const AlignedPair& pair, const std::vector<Eigen::Isometry3d>& poses) const {
     return poses[pair.fit.first].inverse() * poses[pair.fit.second];
   }
 
-  void measure_before(Pair& pair) const {
+  void measure_before(AlignedPair& pair) const {
     const Eigen::Isometry3d guess = relative(pair, rough_);
     doubt_signs(pair, guess);
     pair.fit.before = fit_of(agree(pair, &PosedScan::medium, reach_m_, guess), reach_m_);
   }
 
-  void align(Pair& pair) const {
+  void align(AlignedPair& pair) const {
     pair.tried = true;
+    const std::string key = finished_ != nullptr ? key_of(pair) : std::string();
+    std::vector<double> numbers;
+    if (finished_ == nullptr || !finished_->find(key, numbers) || !take_numbers(numbers, pair)) {
+      find_place(pair);
+      if (finished_ != nullptr) finished_->add(key, numbers_of(pair));
+    }
+    if (pair.candidate) judge(pair);
+  }
+
+  // Of all that find_place() depends on.
+  [[nodiscard]] std::string key_of(const AlignedPair& pair) const {
+    std::vector<double> numbers = {reach_m_, config_.min_overlap, static_cast<double>(config_.method)};
+    add_numbers(relative(pair, rough_), numbers);
+    const std::array digests{digests_[pair.fit.first], digests_[pair.fit.second]};
+    return finished_->key_of("aligned", digests, numbers);
+  }
+
+  void find_place(AlignedPair& pair) const {
     measure_before(pair);
     const Eigen::Isometry3d guess = relative(pair, rough_);
     pair.candidate = pair.fit.before.overlap >= 0.5 * config_.min_overlap;
@@ -209,18 +220,17 @@ class Registrar {
     pair.hold = found.hold;
     pair.unsure = found.unsure;
     pair.agreement = agree(pair, &PosedScan::medium, medium_touch_m, pair.aligned);
-    judge(pair);
   }
 
   // Where the place of a scanner is guessed, its normals may all face the wrong side.
-  void doubt_signs(Pair& pair, const Eigen::Isometry3d& guess) const {
+  void doubt_signs(AlignedPair& pair, const Eigen::Isometry3d& guess) const {
     const double with_sign = agree(pair, &PosedScan::coarse, reach_m_, guess).overlap;
     pair.any_sign = true;
     const double without = agree(pair, &PosedScan::coarse, reach_m_, guess).overlap;
     pair.any_sign = with_sign < 0.3 * without;
   }
 
-  void judge(Pair& pair) const {
+  void judge(AlignedPair& pair) const {
     if (pair.agreement.overlap < config_.min_overlap || pair.agreement.matches < kLeastMatches) return;
     const bool slides = pair.unsure || pair.agreement.least_information < kLeastInformation ||
                         (pair.hold.matches >= kLeastMatches && pair.hold.least_information < kLeastInformation);
@@ -231,14 +241,14 @@ class Registrar {
   }
 
   // Farther than rough poses may be wrong.
-  [[nodiscard]] bool moved_too_far(const Pair& pair) const {
+  [[nodiscard]] bool moved_too_far(const AlignedPair& pair) const {
     const Eigen::Isometry3d guess = relative(pair, rough_);
     const double turn = Eigen::AngleAxisd(Eigen::Matrix3d(guess.linear().transpose() * pair.aligned.linear())).angle();
     return turn > kMostTurn || moved_m(pair, guess) > kMostShift * posed_.longest_m();
   }
 
   // How far the pair's own result lies from another relative pose: RMS over the second scan.
-  [[nodiscard]] double moved_m(const Pair& pair, const Eigen::Isometry3d& other) const {
+  [[nodiscard]] double moved_m(const AlignedPair& pair, const Eigen::Isometry3d& other) const {
     double sum = 0.0;
     const auto& elements = second(pair).coarse->elements();
     for (const StationSurface::Element& element : elements)
@@ -246,9 +256,9 @@ class Registrar {
     return std::sqrt(sum / static_cast<double>(elements.size()));
   }
 
-  [[nodiscard]] std::vector<WeighedEdge> used_edges(std::vector<const Pair*>* of_edges = nullptr) const {
+  [[nodiscard]] std::vector<WeighedEdge> used_edges(std::vector<const AlignedPair*>* of_edges = nullptr) const {
     std::vector<WeighedEdge> edges;
-    for (const Pair& pair : pairs_) {
+    for (const AlignedPair& pair : pairs_) {
       if (pair.fit.use != PairFit::Use::used) continue;
       edges.push_back({{pair.fit.first, pair.fit.second, pair.any_sign},
                        std::sqrt(static_cast<double>(pair.hold.matches) * pair.hold.least_information)});
@@ -260,10 +270,10 @@ class Registrar {
   // Poses along the tree of used pairs, from the first scan, with which the most of the other pairs agree; an error
   // names a scan that it does not reach.
   void link() {
-    std::vector<const Pair*> of_edge;
+    std::vector<const AlignedPair*> of_edge;
     const std::vector<WeighedEdge> edges = used_edges(&of_edge);
     std::vector<Eigen::Isometry3d> aligned;
-    for (const Pair* pair : of_edge) aligned.push_back(pair->aligned);
+    for (const AlignedPair* pair : of_edge) aligned.push_back(pair->aligned);
     const Tree tree =
         agreed_tree(posed_.scans.size(), edges, aligned, [&](std::size_t edge, const Eigen::Isometry3d& b_to_a) {
           return moved_m(*of_edge[edge], b_to_a) <= fine_touch_m_;
@@ -279,10 +289,10 @@ class Registrar {
       return std::find(tree.unreached.begin(), tree.unreached.end(), scan) == tree.unreached.end();
     };
     // The pair that comes nearest to linking a scan that is left.
-    const Pair* best = nullptr;
-    for (const Pair& pair : pairs_) {
+    const AlignedPair* best = nullptr;
+    for (const AlignedPair& pair : pairs_) {
       if (reached(pair.fit.first) == reached(pair.fit.second)) continue;
-      const auto rank = [](const Pair& p) {
+      const auto rank = [](const AlignedPair& p) {
         return std::pair(p.fit.use == PairFit::Use::none ? 0 : 1,
                          p.candidate ? p.agreement.overlap : p.fit.before.overlap - 1.0);
       };
@@ -356,8 +366,8 @@ class Registrar {
   // Pairs that meet with the present poses, the given ones of which may not have been aligned by themselves.
   [[nodiscard]] std::vector<Edge> meeting() {
     std::vector<Edge> edges;
-    for (const Pair* candidate : pairs_within(medium_touch_m_)) {
-      const Pair& pair = *candidate;
+    for (const AlignedPair* candidate : pairs_within(medium_touch_m_)) {
+      const AlignedPair& pair = *candidate;
       const Agreement agreement = agree(pair, &PosedScan::medium, medium_touch_m_, present(pair));
       if (agreement.overlap >= kRelaxedShare * config_.min_overlap && agreement.matches >= kLeastMatches)
         edges.push_back({pair.fit.first, pair.fit.second, pair.any_sign});
@@ -378,30 +388,31 @@ class Registrar {
     }
     settle_jointly(surfaces, edges, fine_touch_m_, context_);
     for (std::size_t s = 1; s < surfaces.size(); ++s) posed_.scans[s].pose = surfaces[s].pose;
-    for (Pair& pair : pairs_) {
+    for (AlignedPair& pair : pairs_) {
       if (pair.fit.use != PairFit::Use::used) continue;
       if (moved_m(pair, present(pair)) > fine_touch_m_) pair.fit.use = PairFit::Use::rejected;
     }
   }
 
-  [[nodiscard]] Eigen::Isometry3d present(const Pair& pair) const {
+  [[nodiscard]] Eigen::Isometry3d present(const AlignedPair& pair) const {
     return first(pair).pose.inverse() * second(pair).pose;
   }
 
-  void measure_after(Pair& pair) const {
+  void measure_after(AlignedPair& pair) const {
     pair.fit.after = fit_of(agree(pair, &PosedScan::fine, fine_touch_m_, present(pair)), fine_touch_m_);
   }
 
   void measure_all_after() {
-    for_pairs(pairs_within(fine_touch_m_), [this](Pair& pair) {
+    for_pairs(pairs_within(fine_touch_m_), [this](AlignedPair& pair) {
       measure_after(pair);
       if (!pair.tried && pair.fit.after.matches > 0) measure_before(pair);
     });
-    for (Pair& pair : pairs_) pair.fit.after.within_m = fine_touch_m_;  // also of those that have nothing in common
+    for (AlignedPair& pair : pairs_)
+      pair.fit.after.within_m = fine_touch_m_;  // also of those that have nothing in common
   }
 
   // Chance puts points of two scans near each other as well; of one surface they lie as near as noise and form allow.
-  [[nodiscard]] bool fits(const Pair& pair) const {
+  [[nodiscard]] bool fits(const AlignedPair& pair) const {
     const double rough_m = std::max(first(pair).fine->roughness_m(), second(pair).fine->roughness_m());
     const PairFit::Fit& after = pair.fit.after;
     return after.residual_m <= std::max(kByChance * after.within_m, kRough * rough_m);
@@ -410,7 +421,7 @@ class Registrar {
   // Pairs that were aligned and do not fit are no links; what is left must still hold all scans.
   void reject_what_does_not_fit() {
     std::vector<WeighedEdge> edges;
-    for (Pair& pair : pairs_) {
+    for (AlignedPair& pair : pairs_) {
       const bool used = pair.fit.use == PairFit::Use::used;
       const bool good = pair.fit.after.matches > 0 && fits(pair);
       if (used && !good) pair.fit.use = PairFit::Use::rejected;
@@ -424,8 +435,8 @@ class Registrar {
     const auto reached = [&](std::size_t scan) {
       return std::ranges::find(tree.unreached, scan) == tree.unreached.end();
     };
-    const Pair* best = nullptr;  // of those that would link the two groups
-    for (const Pair& pair : pairs_) {
+    const AlignedPair* best = nullptr;  // of those that would link the two groups
+    for (const AlignedPair& pair : pairs_) {
       if (reached(pair.fit.first) == reached(pair.fit.second)) continue;
       if (best == nullptr || pair.fit.after.matches > best->fit.after.matches) best = &pair;
     }
@@ -445,7 +456,7 @@ class Registrar {
   // With the places of the scans among those that were given.
   [[nodiscard]] std::vector<PairFit> found() const {
     std::vector<PairFit> result;
-    for (const Pair& pair : pairs_) {
+    for (const AlignedPair& pair : pairs_) {
       if (pair.fit.before.matches + pair.fit.after.matches == 0) continue;
       result.push_back(pair.fit);
       result.back().first = posed_.places[pair.fit.first];
@@ -461,7 +472,9 @@ class Registrar {
   PosedScans posed_;
   std::vector<Eigen::Isometry3d> rough_;  ///< as given or guessed
   std::vector<FirstGuess> guesses_;
-  std::vector<Pair> pairs_;  ///< all there are: of the first scan, then of the second
+  FinishedPairs* finished_;           ///< null where nothing is kept
+  std::vector<std::string> digests_;  ///< of each scan, where results are kept
+  std::vector<AlignedPair> pairs_;    ///< all there are: of the first scan, then of the second
   double reach_m_ = 0.0;
   double medium_touch_m_ = 0.0;
   double fine_touch_m_ = 0.0;
@@ -484,13 +497,13 @@ std::string to_string(PairFit::Use use) {
 }
 
 Registration register_scans(const std::vector<scene::ScanConfig>& scans, const scene::RegisterConfig& config,
-                            const Context& context) {
-  return Registrar(scans, config, config.guess, context).run();
+                            const Context& context, FinishedPairs* finished) {
+  return Registrar(scans, config, config.guess, context, finished).run();
 }
 
 std::vector<PairFit> measure_pairs(const std::vector<scene::ScanConfig>& scans, const scene::RegisterConfig& config,
                                    const Context& context) {
-  return Registrar(scans, config, scene::RegisterConfig::Guess::poses, context).measure();
+  return Registrar(scans, config, scene::RegisterConfig::Guess::poses, context, nullptr).measure();
 }
 
 }  // namespace sparsha::pipeline

@@ -13,6 +13,8 @@
 
 namespace sparsha::pipeline {
 
+class FinishedPairs;
+
 /// How two scans of a set lie to each other; indices into the configuration's scans, first < second.
 struct PairFit {
   /// What was found within a distance: the larger share of one scan's points that have their place on the other, and
@@ -56,9 +58,11 @@ struct Registration {
 /// Finds poses, from those given or from features alone (RegisterConfig::guess). Scans without points are left out with
 /// a warning that names them. Throws Error{usage} on a single scan; Error{input} when fewer than two have points, and
 /// naming the scans when one cannot be linked to the first: too little overlap, surfaces that slide, or
-/// features that do not tell for sure; Cancelled. The result does not depend on the number of threads.
+/// features that do not tell for sure; Cancelled. The result does not depend on the number of threads, nor on what is
+/// taken from `finished`, where results of pairs are kept unless it is null; also Error{failure} when they cannot be.
 [[nodiscard]] Registration register_scans(const std::vector<scene::ScanConfig>& scans,
-                                          const scene::RegisterConfig& config, const Context& context);
+                                          const scene::RegisterConfig& config, const Context& context,
+                                          FinishedPairs* finished = nullptr);
 
 /// Measures pairs with the poses as given and moves nothing: `before` and `after` are the same.
 [[nodiscard]] std::vector<PairFit> measure_pairs(const std::vector<scene::ScanConfig>& scans,

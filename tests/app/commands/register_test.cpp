@@ -67,6 +67,24 @@ TEST_F(Program, RegisterWritesTheConfigurationWithPosesThatPutTheStationsTogethe
   EXPECT_THAT(page, AllOf(HasSubstr("Residual before"), HasSubstr("Residual after"), HasSubstr("<svg ")));
 }
 
+TEST_F(Program, RegisterGoesOnFromThePairsOfOneThatWasKilled) {
+  write("statue.yaml", misplaced());
+  const Outcome nowhere = run("register statue.yaml --resume");
+  EXPECT_EQ(nowhere.code, 2);
+  EXPECT_THAT(nowhere.err, AllOf(HasSubstr("--resume"), HasSubstr("--out")));
+  ASSERT_EQ(run("register statue.yaml --out once.yaml").code, 0);
+
+  const std::string registers = "register statue.yaml --resume --out registered.yaml";
+  const Outcome again = run(registers, "/dev/null",
+                            "true; \"" SPARSHA_PROGRAM "\" " + registers +
+                                " 2> /dev/null & killed=$!; while kill -0 $killed && ! grep -q , "
+                                ".registered.yaml.pairs; do sleep 0.01; done 2> /dev/null; kill -9 $killed; wait; ");
+  ASSERT_EQ(again.code, 0) << again.err;
+  EXPECT_THAT(again.err, HasSubstr("results of pairs taken from a registration that was ended: 1"));
+  EXPECT_EQ(text_of(folder_ / "registered.yaml"), text_of(folder_ / "once.yaml"));
+  EXPECT_FALSE(fs::exists(folder_ / ".registered.yaml.pairs"));
+}
+
 TEST_F(Program, ABuildMovesNoScanButReportsHowTheyFit) {
   write("statue.yaml", misplaced());
   const Outcome outcome = run("build statue.yaml --out scene");

@@ -105,6 +105,9 @@ TEST_F(Page, IsOneFileWithALanguageHeadingsThatTheContentsReachAndNothingFromEls
   write(folder_ / "pipeline_scaling.csv",
         "stage,against,points,nodes,seconds\nproject,points,10000,160000,0.01\nproject,points,100000,160000,0.1\n"
         "project,points,1000000,160000,1\n");
+  write(folder_ / "pipeline_sites.csv",
+        "program,points,seconds,cpu_seconds,peak_mb,read_mb,written_mb\nours,10000,0.2,0.2,60,2,1\n"
+        "ours,100000,2,2,600,20,10\npeer,10000,9,9,70,3,1\n");
   const std::string body = effects_html(folder_.path()) + scaling_html(folder_.path()) +
                            real_time_html(folder_.path()) + files_html(folder_.path());
   const std::string page = html_page("Speed", "<p>Hello</p>", body);
@@ -118,6 +121,9 @@ TEST_F(Page, IsOneFileWithALanguageHeadingsThatTheContentsReachAndNothingFromEls
     EXPECT_THAT(page, HasSubstr("id=\"" + (*at)[1].str() + "\"")) << (*at)[1];
   EXPECT_GE(links, 4);
   EXPECT_THAT(page, HasSubstr(">1.00 ± 0.00 (3 sizes)<"));
+  EXPECT_THAT(page, HasSubstr(">600 MB<"));
+  EXPECT_THAT(page, HasSubstr(">1.00 (2 sizes)<")) << "of a whole program";
+  EXPECT_THAT(page, HasSubstr(">too short to tell<")) << "of a peer at one size";
   // Every table has a caption, and every cell belongs to a head.
   const auto count = [&](const std::string& what) {
     int found = 0;

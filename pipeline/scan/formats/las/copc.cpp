@@ -147,11 +147,15 @@ int Octree::levels() const {
   return levels;
 }
 
-Octree::Box Octree::box_of(const Node& node) const {
+Octree::Box Octree::box_of(const Node& node, double z_factor) const {
   const double edge = std::ldexp(side, -node.level);
   const Eigen::Vector3d cell(node.cell[0], node.cell[1], node.cell[2]);
   const Eigen::Vector3d corner = low + edge * cell;
-  return {corner - step, corner + Eigen::Vector3d::Constant(edge) + step};
+  Box box{corner - step, corner + Eigen::Vector3d::Constant(edge) + step};
+  box.low.z() *= z_factor;
+  box.high.z() *= z_factor;
+  if (z_factor < 0.0) std::swap(box.low.z(), box.high.z());
+  return box;
 }
 
 int Octree::level_of_spacing(double wanted) const {

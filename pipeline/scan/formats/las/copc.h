@@ -31,8 +31,9 @@ struct Octree {
 
   [[nodiscard]] std::vector<laz::Chunk> chunks() const;  ///< of the nodes, in the file's order
   [[nodiscard]] int levels() const;
-  /// The node's cube and one step of the coordinates on each side: writers round points out of their cubes.
-  [[nodiscard]] Box box_of(const Node& node) const;
+  /// The node's cube and one step of the coordinates on each side: writers round points out of their cubes. Its z times
+  /// `z_factor`, which may be negative.
+  [[nodiscard]] Box box_of(const Node& node, double z_factor = 1.0) const;
   /// The deepest level that is needed for points that lie so far apart; the last level where none is fine enough.
   [[nodiscard]] int level_of_spacing(double wanted) const;
   /// The deepest level that is needed for so many points.

@@ -1,6 +1,7 @@
 #include "pipeline/scan/formats/las/epsg.h"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 
 namespace sparsha::pipeline::las {
@@ -90,6 +91,13 @@ bool is_with_heights(int code) { return metres_in(kWithHeights, code) > 0.0; }
 double metres_of_heights(int code) {
   const double with_heights = metres_in(kWithHeights, code);
   return with_heights > 0.0 ? with_heights : metres_in(kHeights, code);
+}
+
+bool counts_down(int code) {
+  // Caspian, Black Sea, Baltic 1977, mean sea level, low waters, NAVD88 and NGVD29.
+  constexpr std::array kDepths{5336, 5612, 5706, 5715, 5861, 5862, 5863, 5864, 5865,
+                               5866, 5867, 5873, 6357, 6358, 6359, 8051, 8053};
+  return std::find(kDepths.begin(), kDepths.end(), code) != kDepths.end();
 }
 
 }  // namespace sparsha::pipeline::las

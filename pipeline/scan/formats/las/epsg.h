@@ -11,6 +11,8 @@ namespace sparsha::pipeline::las {
 
 /// Whether the code is that of a projection together with heights, which then have the unit of x and y.
 [[nodiscard]] bool is_with_heights(int code);
+/// Whether a system of heights has depths, which count downwards.
+[[nodiscard]] bool counts_down(int code);
 
 /// Metres in the unit of a system of heights; 0 where it is not known here.
 [[nodiscard]] double metres_of_heights(int code);

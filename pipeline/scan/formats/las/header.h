@@ -54,7 +54,7 @@ struct Header {
 struct Units {
   std::optional<scene::LengthUnit> unit;
   bool degrees = false;
-  double z_factor = 1.0;  ///< makes z a number of the unit of x and y
+  double z_factor = 1.0;  ///< makes z a height in the unit of x and y; below 0 of depths
   std::vector<std::string> warnings;
 };
 [[nodiscard]] Units find_units(const Header& header);
@@ -64,6 +64,7 @@ struct WktUnits {
   bool geographic = false;
   double horizontal_m = 0.0;
   double vertical_m = 0.0;
+  bool down = false;  ///< heights count downwards: they are depths
 };
 [[nodiscard]] WktUnits parse_wkt_units(std::string_view text);
 

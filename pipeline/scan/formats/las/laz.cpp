@@ -114,9 +114,7 @@ std::vector<std::size_t> wanted_nodes(const Octree& octree, double z_factor, con
   std::vector<std::size_t> wanted;
   for (std::size_t i = 0; i < octree.nodes.size(); ++i) {
     if (octree.nodes[i].level > deepest) continue;
-    Octree::Box box = octree.box_of(octree.nodes[i]);
-    box.low.z() *= z_factor;
-    box.high.z() *= z_factor;
+    const Octree::Box box = octree.box_of(octree.nodes[i], z_factor);
     if (!out.region() || out.region()(box.low, box.high, scan.unit)) wanted.push_back(i);
   }
   return wanted;

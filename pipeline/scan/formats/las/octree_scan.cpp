@@ -66,9 +66,7 @@ void OctreeScan::place_nodes(const scene::ScanConfig& scan) {
   placement_ = place(scan, metres_);
   nodes_.reserve(octree_.nodes.size());
   for (const las::Octree::Node& node : octree_.nodes) {
-    las::Octree::Box box = octree_.box_of(node);
-    box.low.z() *= units_.z_factor;
-    box.high.z() *= units_.z_factor;
+    const las::Octree::Box box = octree_.box_of(node, units_.z_factor);
     const auto [low, high] = placed(placement_, box.low, box.high);
     nodes_.push_back({node.level, low, high, node.chunk.points, node.chunk.size});
   }

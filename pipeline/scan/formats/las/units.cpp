@@ -31,6 +31,7 @@ struct Found {
   double vertical_m = 0.0;
   int projection = 0;  ///< EPSG code, where it has one
   int heights = 0;     ///< EPSG code of a system of heights whose unit is not known here
+  bool down = false;   ///< heights are depths
   std::vector<std::string> warnings;
 
   [[nodiscard]] bool tells() const { return geographic || horizontal_m > 0.0; }
@@ -42,6 +43,7 @@ void read_heights(int heights, int projection, Found& found) {
   constexpr int kOwnSystem = 32767;
   if (heights == 0 && is_with_heights(projection)) heights = projection;
   if (heights == 0 || heights == kOwnSystem) return;
+  found.down = counts_down(heights);
   const double metres = metres_of_heights(heights);
   if (found.vertical_m > 0.0) {
     if (metres > 0.0 && differ(metres, found.vertical_m)) {
@@ -113,7 +115,7 @@ Found from_wkt(const Header& header) {
   for (const Record& record : header.records) {
     if (!record.is_reference(kWkt)) continue;
     const WktUnits wkt = parse_wkt_units(record.data);
-    Found found{wkt.geographic, wkt.horizontal_m, wkt.vertical_m, 0, 0, {}};
+    Found found{wkt.geographic, wkt.horizontal_m, wkt.vertical_m, 0, 0, wkt.down, {}};
     if (found.tells()) return found;
   }
   return {};
@@ -128,6 +130,7 @@ Found from_keys(const Header& header) {
 
 std::string words_of(const Found& found) {
   if (found.geographic) return "degrees";
+  if (found.down) return fmt::format("units of {:.9g} m and depths of {:.9g} m", found.horizontal_m, found.heights_m());
   if (!differ(found.horizontal_m, found.heights_m())) return fmt::format("units of {:.9g} m", found.horizontal_m);
   return fmt::format("units of {:.9g} m and heights of {:.9g} m", found.horizontal_m, found.heights_m());
 }
@@ -138,7 +141,7 @@ Found chosen(const Header& header) {
   if (!wkt.tells()) return keys;
   if (!keys.tells()) return wkt;
   const bool same =
-      wkt.geographic == keys.geographic &&
+      wkt.geographic == keys.geographic && wkt.down == keys.down &&
       (wkt.geographic || (!differ(wkt.horizontal_m, keys.horizontal_m) && !differ(wkt.heights_m(), keys.heights_m())));
   Found found = header.says_wkt ? wkt : keys;
   if (!same) {
@@ -149,23 +152,14 @@ Found chosen(const Header& header) {
   return found;
 }
 
-}  // namespace
-
-Units find_units(const Header& header) {
-  Units units;
-  const Found found = chosen(header);
-  units.warnings = found.warnings;
-  if (found.geographic) {
-    units.degrees = true;
-    return units;
-  }
+void set_lengths(const Found& found, Units& units) {
   if (found.horizontal_m == 0.0) {
     if (found.vertical_m > 0.0 && (found.vertical_m != 1.0 || found.projection != 0)) {
       units.warnings.push_back(fmt::format(
           "its heights are said to be in units of {:.9g} m, but no unit of x and y is; all three are taken as one unit",
           found.vertical_m));
     }
-    return units;
+    return;
   }
   units.unit = unit_of_metres(found.horizontal_m);
   if (!units.unit) {
@@ -180,6 +174,33 @@ Units find_units(const Header& header) {
                     "and y, {:.9g} m",
                     found.heights, found.horizontal_m));
   }
+}
+
+/// Depths count downwards, heights upwards: as they are, they would show the object upside down and mirrored.
+void set_upwards(const Header& header, Units& units) {
+  if (header.box_side > 0.0 && header.box_high[2] <= 0.0) {
+    units.warnings.push_back(
+        "its reference says that z is a depth, which counts downwards, but none is above zero: they are taken for "
+        "heights as they are");
+    return;
+  }
+  units.z_factor = -units.z_factor;
+  units.warnings.push_back(
+      "its reference says that z is a depth, which counts downwards: z is multiplied by -1, so that up is up");
+}
+
+}  // namespace
+
+Units find_units(const Header& header) {
+  Units units;
+  const Found found = chosen(header);
+  units.warnings = found.warnings;
+  if (found.geographic) {
+    units.degrees = true;
+    return units;
+  }
+  set_lengths(found, units);
+  if (found.down) set_upwards(header, units);
   return units;
 }
 

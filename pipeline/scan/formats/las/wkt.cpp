@@ -1,4 +1,5 @@
 // The little of OGC well-known text that tells units: KEYWORD[value, ..., KEYWORD[...], ...].
+#include <algorithm>
 #include <vector>
 
 #include "base/text/lower_case.h"
@@ -92,6 +93,14 @@ double unit_of(const Element& system) {
   return 0.0;
 }
 
+/// Depths: AXIS["Depth",DOWN], or the direction -1 of ESRI.
+bool counts_down(const Element& system) {
+  return std::any_of(system.children.begin(), system.children.end(), [](const Element& child) {
+    if (child.keyword == "axis") return child.find({"down"}) != nullptr;
+    return child.keyword == "parameter" && !child.numbers.empty() && child.numbers.front() == -1.0;
+  });
+}
+
 void read_system(const Element& system, WktUnits& units) {
   const std::string& keyword = system.keyword;
   if (keyword == "compd_cs" || keyword == "compoundcrs" || keyword == "boundcrs" || keyword == "sourcecrs") {
@@ -108,6 +117,7 @@ void read_system(const Element& system, WktUnits& units) {
     if (!units.geographic) units.horizontal_m = unit_of(system);
   } else if (keyword == "vert_cs" || keyword == "vertcs" || keyword == "vertcrs" || keyword == "verticalcrs") {
     units.vertical_m = unit_of(system);
+    units.down = counts_down(system);
   }
 }
 

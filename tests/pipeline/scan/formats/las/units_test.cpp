@@ -143,5 +143,47 @@ TEST(LasUnits, HeightsOfWktThatDifferFromThoseOfKeysAreSaid) {
   EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("heights of 0.3048 m, its GeoTIFF keys units of 1 m")));
 }
 
+// z of the second point is 1 in the file.
+TEST(LasUnits, DepthsAreTurnedUpwardsWithAWord) {
+  const auto compound = [](const std::string& vertical) {
+    return LasRecord{2112, "COMPD_CS[\"c\"," + kWktMetres + "," + vertical + "]"};
+  };
+  for (const char* const depth :
+       {R"(VERT_CS["v",VERT_DATUM["d",2005],UNIT["metre",1],AXIS["Depth",DOWN]])",
+        R"(VERTCS["v",VDATUM["d"],PARAMETER["Vertical_Shift",0.0],PARAMETER["Direction",-1.0],UNIT["Meter",1.0]])",
+        R"(VERTCRS["v",VDATUM["d"],CS[vertical,1],AXIS["depth",down,LENGTHUNIT["metre",1]]])"}) {
+    const RawScan scan = read({compound(depth)});
+    EXPECT_EQ(scan.points[1].z(), -1.0) << depth;
+    EXPECT_EQ(scan.points[1].x(), 1.0);
+    EXPECT_THAT(scan.warnings, ElementsAre(HasSubstr("z is a depth"))) << depth;
+  }
+  for (const char* const height :
+       {R"(VERT_CS["v",UNIT["metre",1],AXIS["Up",UP]])",
+        R"(VERTCS["v",PARAMETER["Vertical_Shift",0.0],PARAMETER["Direction",1.0],UNIT["Meter",1.0]])"}) {
+    const RawScan scan = read({compound(height)});
+    EXPECT_EQ(scan.points[1].z(), 1.0) << height;
+    EXPECT_THAT(scan.warnings, IsEmpty()) << height;
+  }
+  EXPECT_EQ(read_keys({{3076, 9001}, {4096, 5715}}).points[1].z(), -1.0);
+  EXPECT_EQ(read_keys({{3076, 9001}, {4096, 5714}}).points[1].z(), 1.0);
+  const RawScan feet = read_keys({{3076, 9001}, {4096, 8053}});
+  EXPECT_NEAR(feet.points[1].z(), -kUsFoot, 1e-9);
+  EXPECT_EQ(feet.warnings.size(), 2U) << "another unit, and depths";
+}
+
+TEST(LasUnits, DepthsOfWhichNoneIsAboveZeroAreTakenForHeights) {
+  LasFile file;
+  file.minor = 4;
+  file.offset = 0.0;
+  file.more_records = {{34735, geo_keys({{3076, 9001}, {4096, 5715}})}};
+  file.points = {las_point(0, 0, 0, 0), las_point(0, 100, 100, -100)};
+  std::string bytes = file.bytes();
+  set(bytes, 211, 0.0);
+  set(bytes, 219, -1.0);
+  const RawScan scan = read_scan_bytes(bytes, "u.las");
+  EXPECT_EQ(scan.points[1].z(), -1.0);
+  EXPECT_THAT(scan.warnings, ::testing::Contains(HasSubstr("none is above zero")));
+}
+
 }  // namespace
 }  // namespace sparsha::pipeline::testing
