@@ -161,7 +161,7 @@ class Guesser {
       return found;
     }
     numbers.clear();
-    const std::vector<Candidate> found = guesses_of(edge);
+    std::vector<Candidate> found = guesses_of(edge);
     for (const Candidate& candidate : found) {
       numbers.insert(numbers.end(), {candidate.overlap, candidate.slides ? 1.0 : 0.0});
       add_numbers(candidate.second_to_first, numbers);
