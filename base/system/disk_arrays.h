@@ -41,8 +41,8 @@ class DiskArrays {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// Lets go of pages of such arrays when there are too many; every worker asks after each piece of its work. Costs a
-/// nanosecond while no DiskArrays is in force.
+/// Lets go of pages of such arrays when there are too many; every worker calls it after each piece of its work. One
+/// atomic read while no DiskArrays is in force.
 void keep_to_memory() noexcept;
 
 /// Throws Error{failure} with the system's reason when an array of the latest DiskArrays got no room, which the one who

@@ -49,7 +49,8 @@ std::optional<double> broad_side(const EvenPoints& object, const Eigen::Vector3d
   return std::atan2(thin.y(), thin.x()) / FaceRing::kTurn;
 }
 
-// The turns, `turns` or parts of a whole turn beside it, that are nearest to `wanted`; nothing where none is near.
+// Of the directions that lie multiples of `part` of a whole turn from `turns`, the one nearest to `wanted`; nothing
+// when that is more than 30 degrees away.
 std::optional<double> near(double turns, double wanted, double part) {
   constexpr double kNear = 30.0 * std::numbers::pi / 180.0 / FaceRing::kTurn;
   const double apart = std::remainder(turns - wanted, static_cast<double>(FaceRing::kTurns) * part);
@@ -100,7 +101,7 @@ std::optional<FrontView> find_front(const EvenPoints& object, const Standing& st
   } else if (standing.open_side) {
     front.rival = 0.0;
     const double open = turns_to(*standing.open_side);
-    // Beside the nearest of a few directions, the one that the walls have.
+    // The open side is known roughly. The walls' own direction is better where it is near.
     const std::optional<double> broad = broad_side(object, ring.ahead(), up);
     turns = near(broad.value_or(turns), open, broad ? 0.25 : 1.0).value_or(open);
   } else if (front.no_face()) {

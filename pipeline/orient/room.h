@@ -17,7 +17,8 @@ struct Room {
   double share = 0.0;      ///< of the whole surface, floor and ceiling
   double worth = 0.0;      ///< the share, and how far things lie nearer to one of the two
   bool by_things = false;  ///< what stands in it tells which of the two is the floor; else custom does
-  /// Unit, scan frame: the side that shows what is in it, as a niche, a shrine or a stage has; the nearest of 26.
+  /// Unit, scan frame: the side that shows what is in it, as a niche, a shrine or a stage has; the mean of 26
+  /// directions, each as long as the share of things that it shows.
   std::optional<Eigen::Vector3d> open_side{};
 };
 

@@ -224,7 +224,6 @@ PosedScan read_one(const scene::ScanConfig& config, double voxel_m, bool trusted
 
 }  // namespace
 
-// The scans of one object lie behind each other's surfaces, as seen from where they were made.
 std::string digest_of(const PosedScan& scan) {
   std::vector<double> numbers;
   const auto add = [&](const Eigen::Vector3d& v) { numbers.insert(numbers.end(), v.begin(), v.end()); };
@@ -245,6 +244,7 @@ std::string digest_of(const PosedScan& scan) {
   return sha256(std::as_bytes(std::span<const double>(numbers)));
 }
 
+// The scans of one object lie behind each other's surfaces, as seen from where they were made.
 void turn_views(std::vector<PosedScan>& scans) {
   constexpr double kClear = 0.1;  // longest sides by which the others lie in front
   for (PosedScan& scan : scans) {
