@@ -42,6 +42,9 @@ void remove_abandoned(const std::filesystem::path& path) noexcept;
 /// Allows this process as many open files as the system lets it have.
 void allow_many_open_files() noexcept;
 
+/// Where the system wants files that nobody keeps. Throws Error{failure} when there is no such folder.
+[[nodiscard]] std::filesystem::path temporary_folder();
+
 /// A file without a name: it goes when it is closed or when the program ends, however that ends. Several threads may
 /// read and write different parts.
 class ScratchFile {

@@ -15,6 +15,16 @@ if(SPARSHA_UNITY)
   endif()
 endif()
 
+# GCC collects its garbage less often where each of its processes may have 2 GB: a twentieth of the time.
+if(SPARSHA_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  cmake_host_system_information(RESULT megabytes QUERY TOTAL_PHYSICAL_MEMORY)
+  cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
+  math(EXPR megabytes_of_core "${megabytes} / ${cores}")
+  if(megabytes_of_core GREATER 2000)
+    target_compile_options(sparsha_options INTERFACE "SHELL:--param ggc-min-heapsize=1000000" "SHELL:--param ggc-min-expand=200")
+  endif()
+endif()
+
 # sparsha_unity(target source...): absolute paths, or relative to the present folder.
 function(sparsha_unity target)
   if(NOT SPARSHA_UNITY OR NOT Python3_Interpreter_FOUND)

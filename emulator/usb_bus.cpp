@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "base/files/files.h"
+#include "base/system.h"
 #include "emulator/usb_descriptors.h"
 #include "emulator/usb_port.h"
 #endif
@@ -59,15 +60,11 @@ constexpr int kFirstAddress = 5;
 
 /// Throws where umockdev would end the program: it keeps the bus in a folder for temporary files.
 UMockdevTestbed* make_testbed(const Umockdev& umock) {
-  std::error_code code;
-  const std::filesystem::path folder = std::filesystem::temp_directory_path(code);
-  if (code)
-    throw Error(ErrorKind::failure, {}, "no emulated USB bus: there is no folder for temporary files",
-                "TMPDIR unset, or the name of a folder");
-  require_writable(folder / "umockdev");
+  require_writable(system::temporary_folder() / "umockdev");
   UMockdevTestbed* const testbed = umock.testbed_new();
   // umockdev keeps a connection to this for each name under /dev that is looked for in vain, and ends the program at
   // the fiftieth: ALSA looks for 32 sound cards.
+  std::error_code code;
   if (const char* const root = std::getenv("UMOCKDEV_DIR"))
     std::filesystem::remove(std::filesystem::path(root) / "ioctl" / "_default", code);
   return testbed;

@@ -147,7 +147,7 @@ class WireLog {
 // Bytes for an emulated boot loader, which takes any.
 class MadeFirmware {
  public:
-  MadeFirmware() : file_(fs::temp_directory_path() / fmt::format("sparsha-emulated-{}.bin", system::process_id())) {
+  MadeFirmware() : file_(system::temporary_folder() / fmt::format("sparsha-emulated-{}.bin", system::process_id())) {
     std::string bytes(8192, '\0');
     for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>((i * 2654435761U) >> 13U);
     write_file(file_, bytes);

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include "base/error.h"
 
@@ -278,5 +279,13 @@ void append_line(const std::filesystem::path& file, std::string_view first, std:
 }
 
 #endif
+
+std::filesystem::path temporary_folder() {
+  std::error_code code;
+  std::filesystem::path folder = std::filesystem::temp_directory_path(code);
+  if (!code) return folder;
+  throw Error(ErrorKind::failure, {}, "there is no folder for temporary files: " + code.message(),
+              "TMPDIR unset, or naming a folder that is there");
+}
 
 }  // namespace sparsha::system

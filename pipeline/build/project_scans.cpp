@@ -14,16 +14,18 @@
 
 #include "base/error.h"
 #include "base/system.h"
+#include "pipeline/build/cropped.h"
 #include "pipeline/build/kept_tiles.h"
 #include "pipeline/build/measured_points.h"
+#include "pipeline/build/memory_needs.h"
 #include "pipeline/build/on_ranks.h"
 #include "pipeline/build/point_worth.h"
 #include "pipeline/build/refused_scans.h"
 #include "pipeline/build/sides.h"
+#include "pipeline/build/thinned_scans.h"
 #include "pipeline/build/unrolled.h"
 #include "pipeline/filter/filter.h"
 #include "pipeline/filter/streamed.h"
-#include "pipeline/filter/voxel.h"
 #include "pipeline/orient/face.h"
 #include "pipeline/outofcore/cloud_on_disk.h"
 #include "pipeline/outofcore/crowding.h"
@@ -37,32 +39,6 @@
 namespace sparsha::pipeline {
 namespace {
 
-// Whether a filter may leave one of several pieces.
-bool takes_places_away(const scene::FilterConfig& filter) {
-  return std::holds_alternative<scene::KeepConfig>(filter) || std::holds_alternative<scene::CropConfig>(filter) ||
-         std::holds_alternative<scene::PassConfig>(filter) || std::holds_alternative<scene::RemovePlaneConfig>(filter);
-}
-
-// Whether a filter's verdict on a point does not depend on other points, so that it may come after a crop as well.
-bool looks_at_one_point(const scene::FilterConfig& filter) {
-  return can_be_streamed(filter) && !std::holds_alternative<scene::RemovePlaneConfig>(filter);
-}
-
-// Outside of which the first filters keep no point.
-ScanPart part_of(const std::vector<scene::FilterConfig>& filters, bool force) {
-  ScanPart part;
-  part.whole_chunks_only = force;
-  for (const scene::FilterConfig& filter : filters) {
-    if (!looks_at_one_point(filter)) break;
-    const auto* const crop = std::get_if<scene::CropConfig>(&filter);
-    if (crop == nullptr) continue;
-    if (!part.box) part.box = *crop;
-    part.box->min_m = part.box->min_m.cwiseMax(crop->min_m);
-    part.box->max_m = part.box->max_m.cwiseMin(crop->max_m);
-  }
-  return part;
-}
-
 // Points on faces, of a mesh that is seen from all sides: how far they lie apart, in spacings of its grid; and the
 // seeds of two samples that have no point in common.
 constexpr double kOfSpacing = 0.8;
@@ -71,11 +47,6 @@ constexpr std::uint64_t kChartSeed = 1, kCheckSeed = 2;
 double scale_of(const Eigen::Matrix4d& scan_to_grid) {
   return std::cbrt(std::abs(scan_to_grid.topLeftCorner<3, 3>().determinant()));
 }
-
-// Bytes per point that bytes_in_memory() allows for its projection.
-constexpr std::uint64_t kWindowBytes = 56;
-
-constexpr std::uint64_t kDiscBytes = 112;  // of a whole object, whatever its front view takes
 
 // Of a tile that is kept: a build that is ended loses no more than it takes to measure as many.
 constexpr std::uint64_t kTilePoints = 4'000'000;
@@ -86,9 +57,6 @@ struct DoesNotFit {
   std::uint64_t least = 0;  ///< that it needs in any case, where that is not known
 };
 
-// Thrown while a filter leaves more voxels than fit.
-struct TooManyVoxels {};
-
 class Builder {
  public:
   Builder(const scene::Config& config, const BuildOptions& options, const Context& context)
@@ -98,6 +66,7 @@ class Builder {
         progress_(context.progress),
         scan_to_grid_(config.orientation.scan_to_grid),
         grid_(config.grid),
+        needs_(config, options.grid_only),
         limit_{options.memory_bytes, options.memory_points} {
     oriented_ = !config.orientation.face.has_value();
     if (!options.grid_only) filters_ = config.filters;
@@ -109,12 +78,12 @@ class Builder {
     ScanSet scans(config_.scans,
                   limit_.none() && !shared() && !resumes() ? ScanSet::Keep::quickest : ScanSet::Keep::disk, true,
                   progress_, fields_of(filters_), mesh_refusal(limit_, filters_, fields_of(filters_).size(), false),
-                  part_of(filters_, options_.force), readers());
+                  part_left_by_crops(filters_, options_.force), readers());
     require_fields(config_.scans, scans, filters_, progress_);
     if (!options_.grid_only) warn_of_unused_worth(config_.scans, scans, filters_, progress_);
     scans.require_surface();
     z_up_ = scans.z_up();
-    if (std::none_of(filters_.begin(), filters_.end(), takes_places_away)) {
+    if (!take_places_away(filters_)) {
       for (const std::string& pieces : scans.pieces()) progress_.warn(pieces);
     }
     try {
@@ -138,7 +107,7 @@ class Builder {
         build_out_of_core(scans, in_memory);
       }
     }
-    count_unread(scans.unread());
+    count_unread(scans.unread(), result_.points, result_.filters);
     if (result_.sources.empty()) result_.sources = scans.sources();
     result_.nearest_of_chosen_unit_m = scans.nearest_of_chosen_unit_m();
     result_.scan_to_grid = unrolled_ ? unrolled_->scan_to_grid : scan_to_grid_;
@@ -146,24 +115,9 @@ class Builder {
   }
 
  private:
-  /// Of the scans' points those that were not read since the first crop would take them away.
-  void count_unread(std::uint64_t points) {
-    result_.points.read += points;
-    result_.points.filtered += points;
-    for (auto& filter : result_.filters) {
-      if (filter.name != "crop") continue;
-      filter.removed += points;
-      return;
-    }
-  }
   /// Looked for when it is needed: a TMPDIR that does not exist is no matter for what fits into memory.
   [[nodiscard]] std::filesystem::path scratch_folder() const {
-    if (!options_.scratch_folder.empty()) return options_.scratch_folder;
-    std::error_code code;
-    std::filesystem::path folder = std::filesystem::temp_directory_path(code);
-    if (!code) return folder;
-    throw Error(ErrorKind::failure, {}, "there is no folder for temporary files: " + code.message(),
-                "TMPDIR, if set, naming a folder");
+    return options_.scratch_folder.empty() ? system::temporary_folder() : options_.scratch_folder;
   }
   /// Whether several processes build the scene, and whether this one goes on with what they have projected.
   [[nodiscard]] bool shared() const { return options_.ranks != nullptr; }
@@ -185,24 +139,13 @@ class Builder {
     if (!on_disk) progress_.warn("this scene is built in memory as a whole: a build that is ended begins anew");
     return on_disk;
   }
-  [[nodiscard]] bool finds_pillars() const {
-    return !options_.grid_only && config_.audio && config_.audio->find_pillars;
-  }
-  [[nodiscard]] bool around() const { return !options_.grid_only && config_.around.has_value(); }
-  [[nodiscard]] bool unrolls() const { return config_.unroll.has_value(); }
-  [[nodiscard]] bool checks() const { return !options_.grid_only && config_.check.has_value(); }
-
-  [[nodiscard]] std::uint64_t node_bytes(const ScanSet& scans, const scene::Lattice& lattice) const {
-    return bytes_of_nodes(config_, options_.grid_only, config_.grid.colour && scans.has_colour(),
-                          config_.grid.intensity && scans.has_intensity(), lattice);
-  }
+  [[nodiscard]] bool around() const { return needs_.around(); }
+  [[nodiscard]] bool unrolls() const { return needs_.unrolls(); }
+  [[nodiscard]] bool checks() const { return needs_.checks(); }
+  [[nodiscard]] bool finds_pillars() const { return needs_.finds_pillars(); }
 
   [[nodiscard]] Error refusal_in_memory(std::uint64_t points, std::uint64_t bytes, bool with_grid) const {
     return pipeline::refusal_in_memory(around(), points, bytes, with_grid);
-  }
-
-  [[nodiscard]] std::uint64_t more_than_windows(std::uint64_t bytes_per_point) const {
-    return std::max(bytes_per_point, around() ? kDiscBytes : kWindowBytes) - kWindowBytes;
   }
 
   /// Of a whole object, beside those of its front view.
@@ -211,31 +154,7 @@ class Builder {
     const double per_place_m = kOfSpacing * lattice.spacing_m / scale();
     const bool mesh = !cloud.faces.empty();
     const double places = mesh ? area_of_faces(cloud) / (per_place_m * per_place_m) : static_cast<double>(cloud.size());
-    return chart_bytes(places, sample_of_kept(cloud).points(), mesh, lattice);
-  }
-  [[nodiscard]] std::uint64_t chart_bytes(double places, const std::vector<Eigen::Vector3d>& sample_m, bool mesh,
-                                          const scene::Lattice& lattice) const {
-    const double spacing_m = lattice.spacing_m;
-    std::vector<double> depth_m;
-    for (const Eigen::Vector3d& p : sample_m) depth_m.push_back((scan_to_grid_ * p.homogeneous()).z());
-    std::sort(depth_m.begin(), depth_m.end());
-    // A few points far before or behind are no part of the object.
-    const std::size_t few = depth_m.size() / 200;
-    const double deep_m = depth_m.empty() ? 0.0 : depth_m[depth_m.size() - 1 - few] - depth_m[few];
-    const double nz = deep_m / spacing_m + 1.0, nx = lattice.nx, ny = lattice.ny;
-    return bytes_of_charts(places, 2.0 * (nx * ny + nx * nz + ny * nz), mesh);
-  }
-
-  /// What a build in memory needs whose points and nodes are these, `charts` of a whole object, bytes.
-  [[nodiscard]] std::uint64_t bytes_with_grid(const ScanSet& scans, double points, std::uint64_t charts,
-                                              const scene::Lattice& lattice, const ProjectionNeeds& needs) const {
-    std::uint64_t needed = bytes_in_memory(amount_of(scans), filters_) + node_bytes(scans, lattice) + charts;
-    // What is counted for a point is enough for windows; discs take more.
-    needed += more_than_windows(needs.bytes_per_point) * scans.points() + needs.column_bytes;
-    needed += needs.kept_side_bytes(points);
-    // Of a mesh as many places may be sampled as there are nodes.
-    const std::uint64_t places = scans.points() + (scans.faces() > 0 ? lattice.count() : 0U);
-    return checks() ? needed + bytes_of_sample(*config_.check, places, lattice) : needed;
+    return needs_.charts(places, sample_of_kept(cloud).points(), mesh, scan_to_grid_, lattice);
   }
 
   /// The same by a sample, `least` at least, before a point is in memory; 0 where a sample does not tell.
@@ -248,9 +167,11 @@ class Builder {
     if (!grid) return 0;
     const ProjectionNeeds needs = scans.faces() > 0 ? ProjectionNeeds() : grid->needs;  // those are of points
     const auto points = static_cast<double>(scans.points());
-    const std::uint64_t charts = around() ? chart_bytes(points, scans.sample_m(), false, grid->lattice) : 0;
-    const std::uint64_t bytes = std::max({least, bytes_with_grid(scans, points, charts, grid->lattice, needs),
-                                          bytes_with_sides(amount_of(scans), needs.side_bytes(points))});
+    const std::uint64_t charts =
+        around() ? needs_.charts(points, scans.sample_m(), false, scan_to_grid_, grid->lattice) : 0;
+    const std::uint64_t bytes =
+        std::max({least, needs_.with_grid(scans, filters_, points, charts, grid->lattice, needs),
+                  bytes_with_sides(amount_of(scans), needs.side_bytes(points))});
     return bytes + bytes / kMissing;
   }
 
@@ -265,10 +186,10 @@ class Builder {
       if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit{0, needed};
     };
     const auto approve_nodes = [&](const scene::Lattice& lattice, const ProjectionNeeds& needs) {
-      const std::uint64_t needed =
-          bytes_with_grid(scans, static_cast<double>(cloud->size()), chart_bytes(*cloud, lattice), lattice, needs);
+      const std::uint64_t needed = needs_.with_grid(scans, filters_, static_cast<double>(cloud->size()),
+                                                    chart_bytes(*cloud, lattice), lattice, needs);
       if (limit_.bytes > 0 && needed > limit_.bytes) throw DoesNotFit{needed};
-      require_room(lattice, node_bytes(scans, lattice));
+      require_room(lattice, needs_.nodes(scans, lattice));
     };
     build_cloud(cloud, filters_, points, {}, {approve_sides, approve_nodes});
   }
@@ -437,54 +358,16 @@ class Builder {
   // Streams the scans through a voxel filter, whose voxels must fit into memory.
   void build_thinned(const ScanSet& scans) {
     progress_.begin("filter");
-    StreamedFilters streamed(scans, filters_, {pool_, progress_});
-    const std::size_t leading = streamed.count();
-    const auto& voxel = std::get<scene::VoxelConfig>(filters_[leading]);
-    const std::uint64_t most = most_voxels(limit_);
-    const Eigen::Vector3d& origin_m = scans.origin_m();
-    auto thinner = std::make_unique<VoxelThinner>(origin_m, voxel.leaf_m, scans.has_colour(), scans.has_intensity());
-    Report::Points points;
-    points.invalid = scans.invalid();
-    std::uint64_t kept = 0;
-    try {
-      points.invalid += scans.stream(
-          [&](const CloudBlock& block) {
-            points.read += block.points.size();
-            at_key_of(filters_[leading], [&] {
-              for (std::size_t k = 0; k < block.points.size(); ++k) {
-                const Eigen::Vector3f& p = block.points[k];
-                if (!streamed.keep(block, k)) continue;
-                ++kept;
-                thinner->add(p.data(), block.rgba.empty() ? kNoColour : block.rgba[k],
-                             block.intensity.empty() ? kNoIntensity : block.intensity[k]);
-              }
-            });
-            if (thinner->voxels() > most) throw TooManyVoxels();
-          },
-          progress_);
-    } catch (const TooManyVoxels&) {
-      thinner.reset();
-      throw refusal_of_voxels(scans, streamed, filters_[leading], progress_);
-    }
-    if (points.read == 0) throw no_points(config_);
-    FilterSteps steps = streamed.finish(progress_);
-    FilterStep& voxels = steps.steps.emplace_back();
-    voxels.name = scene::filter_name(filters_[leading]);
-    voxels.merges = true;
-    voxels.removed = kept - thinner->voxels();
-    points.read += points.invalid;
-    const auto cloud = std::make_shared<Cloud>(thinner->finish());
-    cloud->stations = scans.stations();
-    const std::vector<scene::FilterConfig> rest(filters_.begin() + static_cast<std::ptrdiff_t>(leading) + 1,
-                                                filters_.end());
+    ThinnedScans thinned = thin_scans(scans, config_, filters_, most_voxels(limit_), {pool_, progress_});
+    const std::shared_ptr<Cloud>& cloud = thinned.cloud;
     const auto approve_sides = [&](std::uint64_t bytes) { require_room_for_sides(bytes); };
     const auto approve_nodes = [&](const scene::Lattice& lattice, const ProjectionNeeds& needs) {
-      const std::uint64_t nodes = node_bytes(scans, lattice);
+      const std::uint64_t nodes = needs_.nodes(scans, lattice);
       limit_.beside = needs.column_bytes + needs.kept_side_bytes(static_cast<double>(cloud->size()));
       if (const std::uint64_t charts = chart_bytes(*cloud, lattice); charts > 0) {
         const ScanAmount left{cloud->size(), 0, amount_of(scans).attributes};
         const std::uint64_t needed = bytes_in_memory(left, {}) + nodes + charts + limit_.beside +
-                                     more_than_windows(needs.bytes_per_point) * left.points;
+                                     needs_.more_than_windows(needs.bytes_per_point) * left.points;
         if (needed > limit_.bytes) throw refusal_in_memory(left.points, needed, true);
       }
       put_nodes_on_disk_unless_they_fit(nodes, needs.bytes_per_point, 0, lattice);
@@ -493,7 +376,7 @@ class Builder {
       of_bytes.points = 0;
       (void)points_of_a_tile(of_bytes, nodes, needs.bytes_per_point, 0, lattice);
     };
-    build_cloud(cloud, rest, points, std::move(steps), {approve_sides, approve_nodes});
+    build_cloud(cloud, thinned.rest, thinned.points, std::move(thinned.steps), {approve_sides, approve_nodes});
   }
 
   /// Discs and what tells sides apart take and free arrays of many sizes, which a heap that is kept would add up.
@@ -517,11 +400,11 @@ class Builder {
     const auto all = static_cast<double>(scans.points());
     limit.beside = grid->needs.kept_side_bytes(all);
     const std::uint64_t sample_bytes = checks() ? bytes_of_sample(*config_.check, scans.points(), grid->lattice) : 0;
-    limit.floor = bytes_on_disk(limit, grid->needs.side_bytes(all), node_bytes(scans, grid->lattice),
+    limit.floor = bytes_on_disk(limit, grid->needs.side_bytes(all), needs_.nodes(scans, grid->lattice),
                                 grid->needs.bytes_per_point, sample_bytes, grid->lattice);
     limit.floor += limit.floor / 50;  // the lattice of all points is larger
     require_room_about_nodes(limit, scans.sample_m(), scans.points(), scan_to_grid_, *grid);
-    require_room_likely(limit, checks() ? &*config_.check : nullptr, scans.points(), node_bytes(scans, grid->lattice),
+    require_room_likely(limit, checks() ? &*config_.check : nullptr, scans.points(), needs_.nodes(scans, grid->lattice),
                         grid->needs.bytes_per_point, grid->lattice);
     pipeline::require_room_for_sides(limit, grid->needs.side_bytes(all));
   }
@@ -561,11 +444,11 @@ class Builder {
                           approve_sides, {pool_, progress_});
     const scene::Lattice& lattice = tiled.plan().lattice;
     const std::uint64_t sample_bytes = checks() ? bytes_of_sample(*config_.check, result_.points.read, lattice) : 0;
-    const std::uint64_t nodes = node_bytes(scans, lattice);
+    const std::uint64_t nodes = needs_.nodes(scans, lattice);
     const std::uint64_t bytes_per_point = tiled.needs().bytes_per_point;
     limit_.beside = tiled.needs().kept_side_bytes(tiled.needs().points);
     if (limit_.in_memory > 0) {
-      const std::uint64_t now = bytes_with_grid(scans, tiled.needs().points, 0, lattice, tiled.needs());
+      const std::uint64_t now = needs_.with_grid(scans, filters_, tiled.needs().points, 0, lattice, tiled.needs());
       limit_.in_memory = std::max(limit_.in_memory, now);
     }
     if (tiled.plan().discs) save_memory();
@@ -600,6 +483,7 @@ class Builder {
   bool oriented_ = true;
   bool z_up_ = false;
   scene::GridConfig grid_;
+  MemoryNeeds needs_;
   MemoryLimit limit_;
   std::optional<system::ThriftyHeap> thrifty_;
   std::vector<scene::FilterConfig> filters_;

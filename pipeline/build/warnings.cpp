@@ -29,9 +29,10 @@ double edge_on_share(const Projection& projection) {
   return all > 0 ? static_cast<double>(projection.edge_on) / static_cast<double>(all) : 0.0;
 }
 
-// The filter that takes away what is seen edge-on.
+// The filter that takes away most of what is seen edge-on; nothing where that is no plane.
 std::string plane_filter(const Projection& projection) {
   const Eigen::Vector3d& n = projection.edge_on_normal;
+  if (n.isZero()) return {};
   // Two digits, and no minus before a zero.
   const auto tidy = [](double value) { return std::round(100.0 * value) / 100.0 + 0.0; };
   const double distance_m = std::max(3.0 * projection.noise_m, projection.point_spacing_m);
@@ -93,11 +94,13 @@ std::vector<std::string> surface_warnings(const Projection& projection, const sc
         half_of(check->against), length_text(check->cloud_to_surface.median_m), length_text(doubts.explained_m)));
   }
   if (edge_on_share(projection) > kEdgeOn) {
+    const std::string filter = plane_filter(projection);
     warnings.push_back(
         fmt::format("{} points ({:.0f} % of those before the surface's back) lie on surfaces that this view shows "
-                    "edge-on, as a floor: they are not visible from here and not judged; the filter '{}' takes the "
-                    "largest away",
-                    count_text(projection.edge_on), 100.0 * edge_on_share(projection), plane_filter(projection)));
+                    "edge-on, {}: they are not visible from here and not judged{}",
+                    count_text(projection.edge_on), 100.0 * edge_on_share(projection),
+                    filter.empty() ? "as a round wall" : "as a floor",
+                    filter.empty() ? "" : fmt::format("; the filter '{}' takes the largest away", filter)));
   }
   if (share(projection.nodes_doubtful) > kDoubtful) {
     warnings.push_back(
@@ -144,7 +147,8 @@ std::vector<std::string> surface_warnings(const Projection& projection, const sc
 void require_surface_near_points(const Projection& projection, const scene::Lattice& lattice,
                                  const CheckResult& check) {
   const DistanceStatistics& distances = check.cloud_to_surface;
-  const std::string filter = projection.edge_on > 0 ? fmt::format(", the filter '{}'", plane_filter(projection)) : "";
+  const std::string plane = plane_filter(projection);
+  const std::string filter = plane.empty() ? "" : fmt::format(", the filter '{}'", plane);
   if (edge_on_share(projection) > kMostlyEdgeOn) {
     throw input_error(
         {},

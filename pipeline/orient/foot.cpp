@@ -144,6 +144,46 @@ Stand stand_of(const EvenPoints& object, const Eigen::Vector3d& up) {
   return stand;
 }
 
+bool is_round_on_a_rim(const EvenPoints& object, const Eigen::Vector3d& up) {
+  constexpr double kRim = 0.5;          // of the outline, at least
+  constexpr double kMostFilled = 0.5;   // of the rim's hull: else it is a base
+  constexpr std::size_t kSectors = 36;  // around the middle of the rim
+  constexpr double kClosed = 0.95;      // of them have points
+  constexpr std::size_t kBands = 24;    // of height
+  constexpr double kOff = 0.15;         // of the distance from the axis: walls are as thick
+  constexpr double kRound = 0.9;        // share of the points that are no farther off than that
+  const Stand stand = stand_of(object, up);
+  if (stand.foot < kRim || stand.filled > kMostFilled) return false;
+  const Footprint print(object, up);
+  Place middle = Place::Zero();
+  for (const Place& p : print.hull) middle += p / static_cast<double>(print.hull.size());
+  std::array<bool, kSectors> around{};
+  for (const Place& p : print.places) {
+    const double turn = std::atan2(p.y() - middle.y(), p.x() - middle.x()) / (2.0 * std::numbers::pi) + 0.5;
+    around[static_cast<std::size_t>(turn * kSectors) % kSectors] = true;
+  }
+  const auto closed = static_cast<double>(std::count(around.begin(), around.end(), true));
+  if (closed < kClosed * kSectors) return false;
+  const std::vector<double> heights = heights_of(object, up);
+  const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
+  std::array<std::vector<double>, kBands> off;
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    const double share = (heights[i] - *low) / std::max(*high - *low, 1e-9);
+    const Place place(print.u.dot(object.points[i]), print.v.dot(object.points[i]));
+    off[std::min(kBands - 1, static_cast<std::size_t>(share * kBands))].push_back((place - middle).norm());
+  }
+  std::size_t count = 0, round = 0;
+  for (std::size_t band = 0; band + 1 < kBands; ++band) {  // the last one is a bottom
+    if (off[band].empty()) continue;
+    const double radius = median(off[band]);
+    count += off[band].size();
+    round += static_cast<std::size_t>(std::count_if(off[band].begin(), off[band].end(), [&](double distance) {
+      return std::abs(distance - radius) <= kOff * radius;
+    }));
+  }
+  return static_cast<double>(round) >= kRound * static_cast<double>(count);
+}
+
 std::size_t legs_of(const EvenPoints& object, const Eigen::Vector3d& up) {
   constexpr double kLow = 0.08, kHigh = 0.2;  // of the height
   constexpr double kLeast = 0.08;             // of the points there

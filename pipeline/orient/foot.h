@@ -27,6 +27,10 @@ struct Stand {
 };
 [[nodiscard]] Stand stand_of(const EvenPoints& object, const Eigen::Vector3d& up);
 
+/// With that direction up it would stand on a closed ring about nothing, and is round about it: a bowl on its rim, a
+/// bell, and what is round and has no scan from below.
+[[nodiscard]] bool is_round_on_a_rim(const EvenPoints& object, const Eigen::Vector3d& up);
+
 /// Separate pieces of the object between 8 and 20 % of its height, small ones aside: legs.
 [[nodiscard]] std::size_t legs_of(const EvenPoints& object, const Eigen::Vector3d& up);
 

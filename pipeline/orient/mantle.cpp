@@ -424,10 +424,29 @@ FoundMantle find_mantle(Points sample_m, const scene::UnrollConfig& wanted, cons
   if (profile.used.empty()) throw undecided("the points have no extent along it");
   choose_shape(profile, unroll);
   const bool cone = unroll.shape == scene::UnrollConfig::Shape::cone;
+  const auto tidy = [](double value) { return std::round(1000.0 * value) / 1000.0 + 0.0; };  // no minus before a zero
   return {unroll, fmt::format("unrolled from a {} of {} radius about the axis {:.3f} {:.3f} {:.3f}{}",
-                              cone ? "cone" : "cylinder", length_text(*unroll.radius_m), axis.direction.x(),
-                              axis.direction.y(), axis.direction.z(),
+                              cone ? "cone" : "cylinder", length_text(*unroll.radius_m), tidy(axis.direction.x()),
+                              tidy(axis.direction.y()), tidy(axis.direction.z()),
                               cone ? fmt::format(", {:.3g} degrees from it", *unroll.slope_rad / kDegree) : "")};
+}
+
+std::optional<FoundMantle> mantle_of_round(const Points& sample_m, const Eigen::Vector3d& up) {
+  constexpr double kRound = 0.05;   // deviation at one height, of the radius: flutes have 0.02, eight sides 0.03
+  constexpr double kAround = 0.95;  // share of the way around that has points
+  constexpr double kLong = 1.0;     // along the axis, radii: less is a disc or a ring
+  std::optional<FoundMantle> found;
+  try {
+    found = find_mantle(sample_m, {}, up);
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+  const Profile profile(sample_m, {*found->unroll.centre_m, *found->unroll.axis});
+  const double radius = profile.typical_radius();
+  if (profile.deviation > kRound * radius || profile.high - profile.low < kLong * radius ||
+      share_around(profile, across(*found->unroll.axis)) < kAround)
+    return std::nullopt;
+  return found;
 }
 
 }  // namespace sparsha::pipeline

@@ -1,6 +1,7 @@
 // The axis of a column, vase or tower, and the cylinder or cone that its surface is unrolled from.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,5 +24,10 @@ struct FoundMantle {
 /// points are not the cone that was asked for.
 [[nodiscard]] FoundMantle find_mantle(std::vector<Eigen::Vector3d> sample_m, const scene::UnrollConfig& wanted,
                                       const Eigen::Vector3d& up);
+
+/// The same where the points are as round as a column or a vase, all around and long enough to be worth it; nothing
+/// where they are not. Nothing is thrown.
+[[nodiscard]] std::optional<FoundMantle> mantle_of_round(const std::vector<Eigen::Vector3d>& sample_m,
+                                                         const Eigen::Vector3d& up);
 
 }  // namespace sparsha::pipeline

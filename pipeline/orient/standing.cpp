@@ -132,17 +132,17 @@ Standing standing_by(const UprightBySymmetry& upright, const Standing& custom, b
   return standing;
 }
 
-}  // namespace
-
-Standing customary_standing(bool z_up) {
-  if (z_up) return {Eigen::Vector3d::UnitZ(), "z is up by custom"};
-  return {Eigen::Vector3d::UnitY(), "y is up by custom"};
+// What is round and open on one side is a bowl or a bell: an axis of the scan that custom calls up tells, since it was
+// laid along it.
+void turn_bowl_over(const EvenPoints& object, Standing& standing) {
+  constexpr double kAlongAxis = 0.98;
+  if (standing.face || std::min(standing.up.y(), standing.up.z()) > -kAlongAxis) return;
+  if (!is_round_on_a_rim(object, standing.up)) return;
+  standing.up = -standing.up;
+  standing.reason = fmt::format("it is round and open on one side, and {} is up", standing.up.z() > 0.5 ? "z" : "y");
 }
 
-std::optional<Standing> standing_of(const EvenPoints& object, bool z_up) {
-  if (object.points.size() < 4) return std::nullopt;
-  const std::vector<Eigen::Vector3d> tilted = tilted_bases(object);
-  if (const std::optional<Room> room = room_of(object, tilted)) return standing_of_room(*room);
+Standing standing_of_solid(const EvenPoints& object, bool z_up, const std::vector<Eigen::Vector3d>& tilted) {
   const Standing custom = customary_standing(z_up);
   const Eigen::Vector3d other = customary_standing(!z_up).up;
   if (const std::optional<UprightBySymmetry> upright =
@@ -166,6 +166,22 @@ std::optional<Standing> standing_of(const EvenPoints& object, bool z_up) {
                     : best.foot > kEvidentFoot
                         ? fmt::format("it stands on a flat base ({:.0f} % of its outline)", 100.0 * best.foot)
                         : "of the ways to stand, by foot and by the mirror symmetry of its carving, this one is best";
+  return standing;
+}
+
+}  // namespace
+
+Standing customary_standing(bool z_up) {
+  if (z_up) return {Eigen::Vector3d::UnitZ(), "z is up by custom"};
+  return {Eigen::Vector3d::UnitY(), "y is up by custom"};
+}
+
+std::optional<Standing> standing_of(const EvenPoints& object, bool z_up) {
+  if (object.points.size() < 4) return std::nullopt;
+  const std::vector<Eigen::Vector3d> tilted = tilted_bases(object);
+  if (const std::optional<Room> room = room_of(object, tilted)) return standing_of_room(*room);
+  Standing standing = standing_of_solid(object, z_up, tilted);
+  turn_bowl_over(object, standing);
   return standing;
 }
 

@@ -151,6 +151,14 @@ Eigen::Vector3d EdgeOnSurfaces::main_normal() const {
   const auto most = std::max_element(directions_.begin(), directions_.end(),
                                      [](const Direction& a, const Direction& b) { return a.points < b.points; });
   if (most->points == 0) return Eigen::Vector3d::Zero();
+  // A plane's normals lie in two neighbours at most; of a round wall a few hundredths do.
+  constexpr std::int64_t kOneOf = 4;
+  const auto at = static_cast<std::size_t>(most - directions_.begin());
+  const std::int64_t near = most->points + directions_[(at + 1) % kDirections].points +
+                            directions_[(at + kDirections - 1) % kDirections].points;
+  std::int64_t all = 0;
+  for (const Direction& direction : directions_) all += direction.points;
+  if (kOneOf * near < all) return Eigen::Vector3d::Zero();
   const Eigen::Vector3d normal =
       Eigen::Vector3d(static_cast<double>(most->normal[0]), static_cast<double>(most->normal[1]),
                       static_cast<double>(most->normal[2]))

@@ -35,7 +35,7 @@ class EdgeOnSurfaces {
   [[nodiscard]] std::uint64_t take_out(const OrientedPoints& points, PointClass* point_class, ThreadPool& pool);
 
   /// Of the direction in which most points of such surfaces lie, so far: unit normal, grid frame, towards the middle of
-  /// the lattice; zero when there are none.
+  /// the lattice; zero when there are none, or no direction has many of them, as on the rim of a dome.
   [[nodiscard]] Eigen::Vector3d main_normal() const;
 
   /// Rows of bins, to each side, on which the answer for a point depends.

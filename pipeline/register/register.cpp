@@ -17,6 +17,7 @@
 #include "pipeline/register/finished_pairs.h"
 #include "pipeline/register/first_guess.h"
 #include "pipeline/register/graph.h"
+#include "pipeline/register/lost_scan.h"
 #include "pipeline/register/match.h"
 #include "pipeline/register/pair_alignment.h"
 #include "pipeline/register/posed_scan.h"
@@ -30,7 +31,6 @@ constexpr double kAutomaticReach = 0.15;  // longest sides: 10 degrees at the ri
 constexpr double kGuessedReach = 0.03;    // first guesses from features have been aligned already
 constexpr double kMostTurn = 35.0 * 3.14159265358979323846 / 180.0;  // rough poses are not worse than that
 constexpr double kMostShift = 0.35;                                  // longest sides
-constexpr std::size_t kLeastMatches = 100;
 constexpr double kRelaxedShare = 0.5;  // of min_overlap: pairs that have less in common still help to place scans
 constexpr int kRelaxations = 3;        // at most, until the same pairs meet as before
 constexpr double kByChance = 0.2;  // residual over the distance within which points are in common: evenly spread, 0.58
@@ -300,56 +300,12 @@ class Registrar {
     }
     const std::size_t lost = reached(best->fit.first) ? best->fit.second : best->fit.first;
     const std::size_t beside = lost == best->fit.second ? best->fit.first : best->fit.second;
-    const std::string& other = posed_.scans[beside].name;
-    const std::string& name = posed_.scans[lost].name;
-    const std::string hint = advice(posed_.scans[lost], posed_.scans[beside]);
-    switch (best->fit.use) {
-      case PairFit::Use::weak:
-        if (best->unsure) {
-          return input_error(
-              name, "this scan holds nearly as well in more than one place on " + other,
-              "denser points, scans from places between the two, or rough poses nearer to the truth" + hint);
-        }
-        return input_error(
-            name,
-            "what this scan and " + other +
-                " have in common can slide (a plane, a cylinder or a sphere), so its pose is not determined",
-            "scans that share corners, edges or carving, or a part of another scan that holds both");
-      case PairFit::Use::rejected:
-        if (!moved_too_far(*best)) {
-          return input_error(
-              name,
-              "where this scan lies best on " + other +
-                  ", too little of what could tell its place agrees within the noise",
-              "denser points, scans from places between the two, or rough poses nearer to the truth" + hint);
-        }
-        return input_error(
-            name,
-            fmt::format("aligning this scan with {} moves it by {}, farther than a rough pose may be wrong", other,
-                        length_text(moved_m(*best, relative(*best, rough_)))),
-            "poses within 10 degrees and 5 % of the object's size" + hint);
-      default:
-        break;
-    }
-    if (!best->candidate) {
-      return input_error(
-          name,
-          fmt::format(
-              "with the poses as given, {:.1f} % of its points have their place within {} on another scan (most "
-              "on {})",
-              100.0 * best->fit.before.overlap, length_text(reach_m_), other),
-          fmt::format("at least {:.3g} %: better poses or a larger register.max_distance_mm",
-                      100.0 * config_.min_overlap) +
-              hint);
-    }
-    return input_error(name,
-                       fmt::format("{:.1f} % of its points have their place on {}, the scan with which it has most in "
-                                   "common",
-                                   100.0 * best->agreement.overlap, other),
-                       fmt::format("at least {:.3g} % and {} of the thinned points: more overlap, better poses or a "
-                                   "smaller register.min_overlap",
-                                   100.0 * config_.min_overlap, kLeastMatches) +
-                           hint);
+    LostScan scan{posed_.scans[lost].name, posed_.scans[beside].name, *best};
+    if (moved_too_far(*best)) scan.too_far_m = moved_m(*best, relative(*best, rough_));
+    scan.reach_m = reach_m_;
+    scan.min_overlap = config_.min_overlap;
+    scan.hint = advice(posed_.scans[lost], posed_.scans[beside]);
+    return refusal_of(scan);
   }
 
   // What helps where sizes do not go together, or nobody has placed the scans.

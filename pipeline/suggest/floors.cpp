@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -27,6 +28,7 @@ namespace {
 constexpr std::size_t kMostPlanes = 8;
 constexpr std::size_t kFewest = 200;      // points: fewer are no scan of an object on a floor
 constexpr double kTolerance = 0.006;      // of the longest side, when planes are looked for
+constexpr double kRough = 0.018;          // the same of a lawn, whose points have no normals at a finer scale
 constexpr double kLeastShare = 0.06;      // of the surface, of a floor or a wall
 constexpr double kMostBeyond = 0.03;      // of the other points, on the far side of it
 constexpr double kReach = 1.25;           // of a plane over what stands before it, along one of its directions
@@ -69,14 +71,14 @@ Points spread_evenly(const Points& points, double cube_m) {
   return even;
 }
 
-std::optional<Candidate> next_plane(const Points& points, double size_m, std::size_t all) {
+std::optional<Candidate> next_plane(const Points& points, double size_m, double tolerance, std::size_t all) {
   if (points.size() < kFewest) return std::nullopt;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : points) centre += p / static_cast<double>(points.size());
   std::vector<Eigen::Vector3f> scaled;
   scaled.reserve(points.size());
   for (const Eigen::Vector3d& p : points) scaled.push_back(((p - centre) / size_m).cast<float>());
-  const std::optional<FacePlane> plane = largest_plane(scaled, kTolerance);
+  const std::optional<FacePlane> plane = largest_plane(scaled, tolerance);
   if (!plane || static_cast<double>(plane->inliers.size()) < kLeastShare * static_cast<double>(all))
     return std::nullopt;
   Candidate found;
@@ -134,14 +136,55 @@ bool reaches_beyond(const Candidate& plane, const Points& rest) {
   return reach >= kReach && extent_along(rest, plane.normal) >= kStandsOut * width;
 }
 
+// Does the plane go on well beyond the rest on every side, as a floor or a lawn about a flat stone does, and the floor
+// of a room about one of its walls does not?
+bool lies_all_about(const Candidate& plane, const Points& rest) {
+  constexpr double kBeyond = 0.15;  // of the plane's extent, on either side
+  const Eigen::Vector3d u = plane.normal.unitOrthogonal();
+  const Eigen::Vector3d v = plane.normal.cross(u);
+  constexpr int kTurns = 8;
+  for (int k = 0; k < kTurns; ++k) {
+    const double turn = std::numbers::pi * k / kTurns;
+    const Eigen::Vector3d direction = std::cos(turn) * u + std::sin(turn) * v;
+    const auto ends = [&](const Points& points) {
+      std::vector<double> places;
+      for (const Eigen::Vector3d& p : points) places.push_back(direction.dot(p));
+      return std::pair(quantile(places, 0.02), quantile(places, 0.98));
+    };
+    const auto [low, high] = ends(plane.places);
+    const auto [first, last] = ends(rest);
+    if (first - low < kBeyond * (high - low) || high - last < kBeyond * (high - low)) return false;
+  }
+  return extent_along(rest, plane.normal) >= kStandsOut * (extent_along(rest, u) + extent_along(rest, v));
+}
+
+// So far from a plane that few points lie farther and as near again: grass stands higher than noise lies off a floor.
+double thickness_of(const Candidate& plane, const Points& points, double size_m) {
+  constexpr double kStep = 1.25;
+  constexpr double kFew = 0.01;  // of those within
+  constexpr double kMost = 4.0;  // tolerances
+  std::vector<double> off;
+  for (const Eigen::Vector3d& p : points) off.push_back(std::abs(plane.normal.dot(p) + plane.offset_m));
+  std::sort(off.begin(), off.end());
+  const auto within = [&](double distance_m) {
+    return static_cast<double>(std::upper_bound(off.begin(), off.end(), distance_m) - off.begin());
+  };
+  double thickness_m = std::max(kDeviations * plane.deviation_m, 0.5 * kTolerance * size_m);
+  const bool rough = kDeviations * plane.deviation_m >= thickness_m;
+  while (rough && kStep * thickness_m <= kMost * kTolerance * size_m &&
+         within(2.0 * thickness_m) > (1.0 + kFew) * within(thickness_m))
+    thickness_m *= kStep;
+  return thickness_m;
+}
+
 // Planes with all else before them, and what none of them holds.
-std::vector<Candidate> bounding_planes(const Points& even, double size_m, Points& rest) {
+std::vector<Candidate> bounding_planes(const Points& even, double size_m, double tolerance, Points& rest) {
   std::vector<Candidate> found;
   Points left = even;
   while (found.size() < kMostPlanes) {
-    std::optional<Candidate> plane = next_plane(left, size_m, even.size());
+    std::optional<Candidate> plane = next_plane(left, size_m, tolerance, even.size());
     if (!plane) break;
-    plane->tolerance_m = std::max(kDeviations * plane->deviation_m, 0.5 * kTolerance * size_m);
+    plane->tolerance_m = thickness_of(*plane, left, size_m);
     std::erase_if(left, [&](const Eigen::Vector3d& p) { return plane->holds(p); });
     found.push_back(std::move(*plane));
   }
@@ -154,12 +197,27 @@ std::vector<Candidate> bounding_planes(const Points& even, double size_m, Points
   }
 }
 
+// Of these the ones that reach beyond what is left, which must be an object.
+std::vector<Candidate> planes_about(const Points& even, double size_m, double tolerance, Points& rest) {
+  std::vector<Candidate> planes = bounding_planes(even, size_m, tolerance, rest);
+  const bool enough = static_cast<double>(rest.size()) >= std::max(50.0, kLeastRest * static_cast<double>(even.size()));
+  if (!enough) return {};
+  // A flat stone that stands on a lawn, apart from its borders, is no wall of a room.
+  const auto about = [&](const Candidate& plane) { return lies_all_about(plane, rest); };
+  if (!has_body(rest) && std::none_of(planes.begin(), planes.end(), about)) return {};
+  std::erase_if(planes, [&](const Candidate& plane) { return !reaches_beyond(plane, rest); });
+  return planes;
+}
+
 scene::RemovePlaneConfig filter_of(const Candidate& plane, double size_m) {
   scene::RemovePlaneConfig filter;
   filter.normal = (100.0 * plane.normal).array().round() / 100.0 + 0.0;
   filter.max_angle_deg = kNormalAngle_deg;
   // In whole tenths of a millimetre, or of three digits where that is more.
-  const double distance_mm = 1e3 * std::clamp(kDeviations * plane.deviation_m, 1e-4 * size_m, kTolerance * size_m);
+  const double most_m = std::max(kTolerance * size_m, plane.tolerance_m);
+  const double thick_m =
+      plane.tolerance_m > 0.5 * kTolerance * size_m ? plane.tolerance_m : kDeviations * plane.deviation_m;
+  const double distance_mm = 1e3 * std::clamp(thick_m, 1e-4 * size_m, most_m);
   filter.distance_m = 1e-3 * std::stod(fmt::format("{:.2g}", distance_mm));
   return filter;
 }
@@ -249,10 +307,12 @@ FloorsAndWalls find_floors_and_walls(const std::vector<Eigen::Vector3d>& points_
   constexpr double kCube = 1.0 / 96.0;
   const Points even = spread_evenly(points_m, kCube * size_m);
   Points rest;
-  std::vector<Candidate> planes = bounding_planes(even, size_m, rest);
-  const bool enough = static_cast<double>(rest.size()) >= std::max(50.0, kLeastRest * static_cast<double>(even.size()));
-  if (!enough || !has_body(rest)) return {};
-  std::erase_if(planes, [&](const Candidate& plane) { return !reaches_beyond(plane, rest); });
+  std::vector<Candidate> planes = planes_about(even, size_m, kTolerance, rest);
+  if (planes.empty()) {
+    planes = planes_about(even, size_m, kRough, rest);
+    // What is so thick is taken for a lawn only where it lies on all sides of what stands on it.
+    std::erase_if(planes, [&](const Candidate& plane) { return !lies_all_about(plane, rest); });
+  }
 
   FloorsAndWalls result;
   Points left = points_m;

@@ -8,14 +8,21 @@
 #include <string>
 #include <vector>
 
+#include "base/text/text.h"
 #include "pipeline/projection/lattice.h"
 #include "scene/config/haptics.h"
+#include "scene/frame/workspace.h"
 
 namespace sparsha::pipeline {
 namespace {
 
-constexpr double kMostNodes = 2000.0;  // along the longest side
+constexpr double kMostNodes = 4e6;  // of a first grid: a minute to build and look at, whatever the scans
 constexpr double kMeshNodes = 500.0;
+
+// Of an object that fills the workspace; of a larger one at its own size.
+double hand_resolution_m(double longest_m) {
+  return scene::HapticsConfig{}.resolution_m * std::min(1.0, longest_m / scene::kDeskWorkspace_m);
+}
 
 // Searches views and spacings for a surface that passes its own cross-check.
 class Search {
@@ -25,11 +32,14 @@ class Search {
         share_(points.share()),
         neighbour_m_(points.neighbour_m()),
         raster_(points.is_raster()),
+        longest_m_((box.high - box.low).maxCoeff()),
+        resolution_m_(hand_resolution_m(longest_m_)),
         views_(sides.views),
         open_(sides.open),
-        trials_(points, progress) {
-    longest_m_ = (box.high - box.low).maxCoeff();
-    floor_m_ = std::max(longest_m_ / kMostNodes, scene::HapticsConfig{}.resolution_m);
+        trials_(points, resolution_m_, progress) {
+    Eigen::Vector3d sides_m = box.high - box.low;
+    std::sort(sides_m.begin(), sides_m.end());
+    floor_m_ = std::max(std::sqrt(sides_m[2] * sides_m[1] / kMostNodes), resolution_m_);
   }
 
   [[nodiscard]] Choice run() {
@@ -79,7 +89,7 @@ class Search {
   }
   [[nodiscard]] double mesh_spacing_m() const {
     if (raster_) return neighbour_m_;
-    const double fine_m = std::max(longest_m_ / kMeshNodes, scene::HapticsConfig{}.resolution_m);
+    const double fine_m = std::max(longest_m_ / kMeshNodes, resolution_m_);
     return std::min(std::max(neighbour_m_, floor_m_), fine_m);
   }
   // Far more noise than a scan of one surface has: several are taken for one. Or the back is seen for the front.
@@ -134,12 +144,19 @@ class Search {
     if (mesh_ && neighbour_m_ > longest_m_ / kMeshNodes) {
       return "triangles are exact between their corners: 500 nodes along the longest side show their form";
     }
-    if (spacing_m < 1.2 * floor_m_) return "finer than this neither grid nor hand gains";
+    if (spacing_m < 1.2 * floor_m_ && spacing_m < 1.2 * resolution_m_) return "finer than this the hand gains nothing";
     if (mesh_) return kNeighbours;
-    if (share_ < 1.0 && spacing_m <= trial.noise_m) return "the noise of the points, which exceeds their distance";
     const double own_m = trial.point_spacing_m * std::sqrt(share_);
+    if (spacing_m < 1.2 * floor_m_)
+      return fmt::format("a first grid of {:.1f} million nodes; the points are {} apart",
+                         nodes_at(trial, spacing_m) / 1e6, length_text(own_m));
+    if (share_ < 1.0 && spacing_m <= trial.noise_m) return "the noise of the points, which exceeds their distance";
     if (spacing_m < 1.01 * own_m) return "the distance between neighbouring points on the surface";
     return spacing_m < 1.2 * neighbour_m_ ? kNeighbours : "few points for so wide a grid: a finer one would be empty";
+  }
+
+  [[nodiscard]] static double nodes_at(const Trial& trial, double spacing_m) {
+    return trial.nodes * (trial.spacing_m / spacing_m) * (trial.spacing_m / spacing_m);
   }
 
   static constexpr const char* kNeighbours = "the median distance between neighbouring points";
@@ -147,7 +164,7 @@ class Search {
   double share_;
   double neighbour_m_;
   bool raster_;
-  double longest_m_ = 0.0;
+  double longest_m_, resolution_m_;
   double floor_m_ = 0.0;
   std::vector<View> views_;
   bool open_;

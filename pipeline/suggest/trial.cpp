@@ -14,7 +14,6 @@
 #include "pipeline/layers/layers.h"
 #include "scene/config/filters.h"
 #include "scene/config/grid.h"
-#include "scene/config/haptics.h"
 #include "scene/config/layers.h"
 #include "scene/config/orientation.h"
 
@@ -126,7 +125,8 @@ std::string Trial::complaint() const {
   return {};
 }
 
-Trials::Trials(TrialCloud& points, Progress& progress) : pool_(0), progress_(progress), cloud_(points.finish()) {
+Trials::Trials(TrialCloud& points, double resolution_m, Progress& progress)
+    : pool_(0), resolution_m_(resolution_m), progress_(progress), cloud_(points.finish()) {
   if (cloud_.size() > 0) projector_.emplace(cloud_, pool_);
 }
 
@@ -157,7 +157,7 @@ Trial Trials::run(const View& view, double spacing_m, const std::function<void(c
     grid.spacing_m = spacing_m;
     const Eigen::Matrix4d scan_to_grid = scene::look_from(view.look_from, view.up, 1.0);
     Projection projection = projector_->project(
-        scan_to_grid, grid, scene::HapticsConfig{}.resolution_m, {pool_, progress_},
+        scan_to_grid, grid, resolution_m_, {pool_, progress_},
         {{}, [&](const scene::Lattice& lattice, const ProjectionNeeds&) {
            if (approve) approve(lattice);
            if (static_cast<double>(lattice.count()) <= kMostNodes) return;

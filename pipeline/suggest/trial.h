@@ -67,7 +67,8 @@ struct Trial {
 
 class Trials {
  public:
-  Trials(TrialCloud& points, Progress& progress);
+  /// `resolution_m`: no automatic spacing is finer.
+  Trials(TrialCloud& points, double resolution_m, Progress& progress);
 
   /// As a build with fill over five spacings would find it.
   [[nodiscard]] Trial run(const View& view, double spacing_m);
@@ -79,6 +80,7 @@ class Trials {
                           const std::function<void(const scene::Lattice&)>& approve);
 
   ThreadPool pool_;
+  double resolution_m_;
   Progress& progress_;
   Cloud cloud_;
   std::optional<Projector> projector_;

@@ -6,19 +6,23 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 
 #include "base/numbers/statistics.h"
 #include "pipeline/orient/face.h"
 #include "pipeline/orient/side_picture.h"
 #include "pipeline/orient/thumbnails.h"
 #include "pipeline/suggest/range_image.h"
+#include "pipeline/suggest/straight_edges.h"
 
 namespace sparsha::pipeline {
 namespace {
 
 constexpr std::size_t kSample = 200'000;  // points of a scan
 constexpr double kLevel = 0.5;            // cosine between a horizontal view and up, at most
+constexpr double kFlat = 0.3;             // thickness beside width of a relief, at most
 constexpr double kAlong = 0.95;           // cosine between a view and an up that is none
 
 /// Thinnest direction, and how thin beside the next one.
@@ -42,18 +46,37 @@ Thinness thinness_of(const std::vector<Eigen::Vector3d>& points_m, const InnerBo
   return {axes.eigenvectors().col(0), std::sqrt(thin / std::max(axes.eigenvalues()[1], 1e-300))};
 }
 
-// The coordinate axis within 25 degrees, else the direction rounded to three digits.
-Eigen::Vector3d snapped(const Eigen::Vector3d& direction) {
+constexpr double kAxis_deg = 25.0;  // off which a direction that is roughly known may be
+
+// The coordinate axis within so many degrees, else the direction rounded to three digits.
+Eigen::Vector3d snapped(const Eigen::Vector3d& direction, double within_deg = kAxis_deg) {
   const Eigen::Vector3d unit = direction.normalized();
   Eigen::Index axis = 0;
   unit.cwiseAbs().maxCoeff(&axis);
-  constexpr double kCos25 = 0.9063;
-  if (std::abs(unit[axis]) > kCos25) {
+  if (std::abs(unit[axis]) > std::cos(within_deg * std::numbers::pi / 180.0)) {
     Eigen::Vector3d snap = Eigen::Vector3d::Zero();
     snap[axis] = unit[axis] > 0 ? 1.0 : -1.0;
     return snap;
   }
   return rounded_direction(unit);
+}
+
+// Ground that was surveyed, whatever its slope: it is seen from above, and north is up.
+bool is_ground(const Eigen::Vector3d& look_from, const SeenScans& seen, const InnerBox& box) {
+  constexpr double kSite_m = 20.0;  // long, or named by coordinates so many times as far from zero as it is long
+  constexpr double kFar = 100.0;
+  Eigen::Index axis = 0;
+  look_from.cwiseAbs().maxCoeff(&axis);
+  const double size_m = (box.high - box.low).norm();
+  const double off_m = (0.5 * (box.low + box.high)).norm();
+  return axis == 2 && (seen.z_up_format || size_m > kSite_m || off_m > kFar * size_m);
+}
+
+// How well the direction of flat points is known: the thicker they are, the more their form turns it.
+double known_within_deg(const Thinness& thin, bool ground) {
+  constexpr double kLeast_deg = 4.0;  // a wall leans by less
+  if (ground) return kAxis_deg;
+  return std::clamp(1.2 * thin.flatness * 180.0 / std::numbers::pi, kLeast_deg, kAxis_deg);
 }
 
 // Of a place over its distance along the view, within 60 degrees: survey coordinates lie far aside of their zero.
@@ -84,6 +107,26 @@ class Object {
     const Eigen::Vector3d up = look_from.unitOrthogonal();
     if (even().points.empty()) return 1.0;
     return seen_share(even(), picture_from(even(), look_from, up), look_from, up);
+  }
+  /// Does its middle lie nearer to that side than its border, as a face's or a mask's does to its front?
+  [[nodiscard]] bool bulges_towards(const Eigen::Vector3d& direction) {
+    constexpr double kClearly = 0.05;  // of its half width
+    const Eigen::Vector3d towards = direction.normalized();
+    std::vector<double> off, sorted;
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    const std::vector<Eigen::Vector3d>& points = even().points;
+    for (const Eigen::Vector3d& p : points) middle += p / static_cast<double>(points.size());
+    for (const Eigen::Vector3d& p : points) off.push_back((p - middle).cross(towards).norm());
+    sorted = off;
+    if (sorted.size() < 4) return false;
+    const double half = value_of_rank(sorted, sorted.size() / 2), most = value_of_rank(sorted, sorted.size() - 1);
+    std::array<double, 2> sum{}, count{};  // within and beyond the half
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const std::size_t beyond = off[k] > half ? 1 : 0;
+      sum[beyond] += points[k].dot(towards);
+      count[beyond] += 1.0;
+    }
+    return count[0] > 0.0 && count[1] > 0.0 && sum[0] / count[0] - sum[1] / count[1] > kClearly * most;
   }
   [[nodiscard]] bool one_sided(const Eigen::Vector3d& direction) { return seen_from(direction) >= kOneSided; }
   [[nodiscard]] std::optional<FrontView> front() { return standing() ? find_front(even(), *standing()) : std::nullopt; }
@@ -130,8 +173,8 @@ View front_view(Object& object, const std::optional<Eigen::Vector3d>& up, bool z
     for (const int axis : {2, 0, 1}) {
       const Eigen::Vector3d direction = Eigen::Vector3d::Unit(axis);
       if (!object.one_sided(direction) && !object.one_sided(-direction)) continue;
-      guess.look_from = direction;
-      guess.up = customary_up(direction, z_up);
+      guess.look_from = object.bulges_towards(-direction) ? rounded_direction(-direction) : direction;
+      guess.up = customary_up(guess.look_from, z_up);
       guess.reason = "nearly all of the surface is seen along this axis of the scan";
       return guess;
     }
@@ -173,9 +216,10 @@ View guess_view(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up,
                        : "all points lie before the origin along z, as depth cameras see them: x right, "
                          "y down, z away";
     return guess;
-  } else if (thin.flatness < 0.3) {
+  } else if (thin.flatness < kFlat) {
     const bool scanner_side = origin_is_a_scanner(thin.direction, centre, size);
-    guess.look_from = snapped(seen_side(thin.direction, centre, size));
+    guess.look_from =
+        snapped(seen_side(thin.direction, centre, size), known_within_deg(thin, is_ground(thin.direction, seen, box)));
     guess.reason = fmt::format("the points are flat ({:.0f} % as thick as wide) across this direction{}",
                                100.0 * thin.flatness, scanner_side ? ", and the scan's origin lies on this side" : "");
   } else if (seen.area == 0.0 && centre.norm() > size && centre.norm() < 100.0 * size && object.one_sided(-centre)) {
@@ -261,7 +305,15 @@ Sides sides_of(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up) 
   // Up along the view is no up: what is looked at is then seen from beside.
   if (up && !sides.standing && std::abs(guess.look_from.normalized().dot(up->normalized())) > kAlong)
     guess = front_view(object, up, seen.z_up_format, sides);
-  if (!sides.standing && (up || guess.up.isZero())) guess.up = up_in_view(guess.look_from, up, seen.z_up_format);
+  if (!sides.standing && (up || guess.up.isZero())) {
+    guess.up = up_in_view(guess.look_from, up, seen.z_up_format);
+    if (!up && thin.flatness < kFlat && !is_ground(guess.look_from, seen, box)) {
+      if (const auto straight = up_along_edges(seen.points_m, guess.look_from, guess.up)) {
+        guess.up = rounded_direction(*straight);
+        guess.reason += "; up is along its edges";
+      }
+    }
+  }
   sides.views.push_back(guess);
   const std::optional<Eigen::Vector3d> wish = sides.standing ? std::optional(guess.up) : up;
   const auto add = [&](const Eigen::Vector3d& direction, const Eigen::Vector3d& above, const std::string& reason) {

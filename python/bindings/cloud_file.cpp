@@ -1,10 +1,8 @@
 #include <atomic>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "base/error.h"
@@ -72,14 +70,8 @@ class Bytes {
 // No two clouds of a process share a name: each would take the other's folder for what a dead process has left.
 std::filesystem::path own_folder() {
   static std::atomic<unsigned> made{0};
-  std::error_code code;
-  const std::filesystem::path folder = std::filesystem::temp_directory_path(code);
-  if (code) {
-    const char* const named = std::getenv("TMPDIR");
-    throw Error(ErrorKind::failure, {named != nullptr ? named : "", 0, 0}, "no folder for temporary files",
-                "TMPDIR naming a folder that is there");
-  }
-  return folder / ("sparsha-" + std::to_string(system::process_id()) + "-" + std::to_string(made++));
+  return system::temporary_folder() /
+         ("sparsha-" + std::to_string(system::process_id()) + "-" + std::to_string(made++));
 }
 
 }  // namespace

@@ -209,6 +209,12 @@ TEST(SurfaceWarnings, WhatIsSeenEdgeOnIsSaidWithTheFilterThatTakesItAway) {
   projection.edge_on = 100'000;
   EXPECT_NE(message(0.0001).find("edge-on"), std::string::npos) << message(0.0001);
   EXPECT_NE(message(0.0001).find("remove_plane"), std::string::npos) << message(0.0001);
+  // A round wall is no plane that could be taken away.
+  projection.edge_on_normal.setZero();
+  EXPECT_EQ(message(0.0001).find("remove_plane"), std::string::npos) << message(0.0001);
+  projection.edge_on = 5'000;
+  expect_one(warnings_of(projection), "round wall");
+  EXPECT_EQ(message(0.002).find("remove_plane"), std::string::npos) << message(0.002);
 }
 
 }  // namespace

@@ -5,69 +5,26 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <random>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <pcl/filters/voxel_grid.h>
-#include <pcl/point_types.h>
 
 #include "base/error.h"
 #include "pipeline/filter/neighbour_tree.h"
 #include "pipeline/filter/outliers.h"
+#include "tests/pipeline/filter/filtered_clouds.h"
 
 namespace sparsha::pipeline {
 namespace {
 
-using Points = std::vector<std::array<float, 3>>;
-
-Cloud cloud_of(const Points& points, bool attributes = false) {
-  Cloud cloud;
-  cloud.resize_points(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (std::size_t k = 0; k < 3; ++k) cloud.xyz1()[4 * i + k] = points[i][k];
-    if (attributes) {
-      cloud.rgba.push_back(static_cast<std::uint32_t>(i));
-      cloud.intensity.push_back(static_cast<float>(i));
-    }
-  }
-  return cloud;
-}
-
-Points points_of(const Cloud& cloud) {
-  Points points(cloud.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (std::size_t k = 0; k < 3; ++k) points[i][k] = cloud.xyz1()[4 * i + k];
-  }
-  return points;
-}
-
-/// A noisy relief with outliers, density varying 1:100 and some duplicates.
-Points relief(std::size_t count, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<float> uniform(0.0F, 1.0F);
-  std::normal_distribution<float> normal(0.0F, 2e-4F);
-  Points points;
-  for (std::size_t i = 0; i < count; ++i) {
-    const float u = uniform(random);
-    const float x = u * u * u;
-    const float y = uniform(random);
-    float z = 0.05F * std::sin(6.0F * x) * std::cos(7.0F * y) + normal(random);
-    if (i % 150 == 0) z += uniform(random);
-    if (i % 97 == 1) {
-      points.push_back(points.back());
-    } else {
-      points.push_back({x, y, z});
-    }
-  }
-  points.push_back({1e4F, -1e4F, 3e3F});
-  return points;
-}
+using testing::cloud_of;
+using testing::Points;
+using testing::points_of;
+using testing::relief;
 
 /// Mean distance to the k nearest others, by looking at all of them.
 float brute_force_mean(const Points& points, std::size_t i, std::size_t k) {
@@ -152,7 +109,7 @@ TEST(OutlierFilter, KeepsARegularLatticeWhole) {
   config.neighbours = 1;
   config.sigma = 0.0;
   const std::vector<std::uint8_t> keep = statistical_inliers(cloud_of(ring), config, {pool, progress});
-  EXPECT_THAT(keep, testing::Each(1));
+  EXPECT_THAT(keep, ::testing::Each(1));
 }
 
 TEST(OutlierFilter, TakesAwayThePointsFarFromAllOthersAndTheirAttributes) {
@@ -287,131 +244,8 @@ TEST(CropFilter, SaysSoWhenNothingIsLeft) {
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::input);
-    EXPECT_THAT(error.what(), testing::HasSubstr("crop"));
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("crop"));
   }
-}
-
-TEST(VoxelFilter, GivesTheCentroidsOfPclsVoxelGrid) {
-  ThreadPool pool(2);
-  Progress progress;
-  Points points = relief(20000, 11);
-  points.pop_back();  // the far one would overflow PCL's indices
-  Cloud cloud = cloud_of(points);
-  pcl::VoxelGrid<pcl::PointXYZ> grid;
-  grid.setInputCloud(std::make_shared<pcl::PointCloud<pcl::PointXYZ>>(*cloud.points));
-  const float leaf = 0.0625F;  // a power of two, so that both find the same cell for every float
-  grid.setLeafSize(leaf, leaf, leaf);
-  pcl::PointCloud<pcl::PointXYZ> expected;
-  grid.filter(expected);
-  const FilterSteps counts = apply_filters(cloud, {scene::VoxelConfig{static_cast<double>(leaf)}}, {pool, progress});
-  ASSERT_EQ(cloud.size(), expected.size());
-  EXPECT_EQ(counts.filtered(), points.size() - expected.size());
-  for (std::size_t i = 0; i < expected.size(); ++i) {
-    // PCL adds up to some hundred float32 numbers below 1.
-    EXPECT_NEAR(cloud.xyz1()[4 * i], expected[i].x, 2e-5F);
-    EXPECT_NEAR(cloud.xyz1()[4 * i + 1], expected[i].y, 2e-5F);
-    EXPECT_NEAR(cloud.xyz1()[4 * i + 2], expected[i].z, 2e-5F);
-  }
-}
-
-TEST(VoxelFilter, WorksWherePclsIndicesOverflow) {
-  ThreadPool pool(1);
-  Progress progress;
-  Cloud cloud = cloud_of({{0.1F, 0.1F, 0.1F}, {0.1001F, 0.1001F, 0.1001F}, {9e3F, 0, 0}, {0, 9e3F, 9e3F}}, true);
-  apply_filters(cloud, {scene::VoxelConfig{0.001}}, {pool, progress});
-  EXPECT_EQ(cloud.size(), 3U);
-}
-
-TEST(VoxelFilter, DoesNotDependOnTheOrderOfPointsAndAveragesAttributes) {
-  ThreadPool pool(1);
-  Progress progress;
-  Points points = relief(4000, 2);
-  Cloud cloud = cloud_of(points);
-  apply_filters(cloud, {scene::VoxelConfig{0.03}}, {pool, progress});
-  std::shuffle(points.begin(), points.end(), std::mt19937(1));
-  Cloud shuffled = cloud_of(points);
-  apply_filters(shuffled, {scene::VoxelConfig{0.03}}, {pool, progress});
-  EXPECT_EQ(points_of(cloud), points_of(shuffled));
-
-  Cloud two = cloud_of({{0.1F, 0.1F, 0.1F}, {0.2F, 0.2F, 0.2F}}, true);
-  two.rgba = {0xFF000000U, 0xFF0000FEU};
-  apply_filters(two, {scene::VoxelConfig{1.0}}, {pool, progress});
-  EXPECT_EQ(two.rgba, std::vector<std::uint32_t>{0xFF00007FU});
-  EXPECT_EQ(two.intensity, std::vector<float>{0.5F});
-}
-
-TEST(VoxelFilter, PointsWithoutColourOrIntensityLeaveTheMeansToTheOthers) {
-  ThreadPool pool(1);
-  Progress progress;
-  Cloud cloud = cloud_of({{0.1F, 0.1F, 0.1F}, {0.2F, 0.2F, 0.2F}, {0.3F, 0.3F, 0.3F}, {1.5F, 0.5F, 0.5F}}, true);
-  cloud.rgba = {0xFF0000FEU, kNoColour, 0xFF000000U, kNoColour};
-  cloud.intensity = {kNoIntensity, 3.0F, kNoIntensity, kNoIntensity};
-  apply_filters(cloud, {scene::VoxelConfig{1.0}}, {pool, progress});
-  EXPECT_EQ(cloud.rgba, (std::vector<std::uint32_t>{0xFF00007FU, kNoColour}));
-  ASSERT_EQ(cloud.intensity.size(), 2U);
-  EXPECT_EQ(cloud.intensity[0], 3.0F);
-  EXPECT_TRUE(std::isnan(cloud.intensity[1]));
-}
-
-TEST(VoxelFilter, GivesTheSameBytesInAnyOrderWhateverTheIntensities) {
-  ThreadPool pool(1);
-  Progress progress;
-  std::mt19937 random(8);
-  const Points points = relief(4000, 2);
-  std::vector<std::size_t> order(points.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::vector<float> intensity;
-  std::vector<std::uint32_t> rgba;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    // Of 60 powers of ten: added up in double, almost every mean would depend on the order.
-    const double power = std::uniform_real_distribution<>(-30.0, 30.0)(random);
-    intensity.push_back(static_cast<float>((i % 2 == 0 ? 1.0 : -1.0) * std::pow(10.0, power)));
-    rgba.push_back(static_cast<std::uint32_t>(random()));
-  }
-  const auto thinned = [&](bool plain) {
-    Points p;
-    for (const std::size_t i : order) p.push_back(points[i]);
-    Cloud cloud = cloud_of(p, true);
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      cloud.rgba[i] = rgba[order[i]];
-      cloud.intensity[i] = plain ? static_cast<float>(order[i] % 256) : intensity[order[i]];
-    }
-    apply_filters(cloud, {scene::VoxelConfig{0.03}}, {pool, progress});
-    return cloud;
-  };
-  for (const bool plain : {false, true}) {
-    const Cloud first = thinned(plain);
-    ASSERT_LT(first.size(), points.size() / 3);
-    for (int round = 0; round < 20; ++round) {
-      std::shuffle(order.begin(), order.end(), random);
-      const Cloud again = thinned(plain);
-      EXPECT_EQ(points_of(first), points_of(again));
-      EXPECT_EQ(first.rgba, again.rgba);
-      ASSERT_EQ(first.intensity.size(), again.intensity.size());
-      EXPECT_EQ(std::memcmp(first.intensity.data(), again.intensity.data(), 4 * again.intensity.size()), 0);
-    }
-  }
-}
-
-TEST(VoxelFilter, TheMeanOfIntensitiesIsExactToTheLastPlace) {
-  ThreadPool pool(1);
-  Progress progress;
-  Cloud three = cloud_of({{0.1F, 0.1F, 0.1F}, {0.2F, 0.2F, 0.2F}, {0.3F, 0.3F, 0.3F}}, true);
-  three.intensity = {1e30F, 6.0F, -1e30F};
-  apply_filters(three, {scene::VoxelConfig{1.0}}, {pool, progress});
-  EXPECT_EQ(three.intensity, std::vector<float>{2.0F});
-  Cloud two = cloud_of({{0.1F, 0.1F, 0.1F}, {0.2F, 0.2F, 0.2F}}, true);
-  two.intensity = {std::numeric_limits<float>::infinity(), 1.0F};
-  apply_filters(two, {scene::VoxelConfig{1.0}}, {pool, progress});
-  EXPECT_TRUE(std::isnan(two.intensity.at(0))) << "no number";
-}
-
-TEST(VoxelFilter, RefusesALeafBelowThePrecisionOfTheCoordinates) {
-  ThreadPool pool(1);
-  Progress progress;
-  Cloud cloud = cloud_of({{0, 0, 0}, {1, 1, 1}});
-  cloud.origin_m = {5e6, 0, 0};
-  EXPECT_THROW(apply_filters(cloud, {scene::VoxelConfig{1e-9}}, {pool, progress}), Error);
 }
 
 TEST(Filters, StopWhenCancelled) {
@@ -456,10 +290,10 @@ TEST(Filters, KnowIntensityOfScansAndSayWhichFieldsTheyLack) {
     return "no error";
   };
   EXPECT_THAT(error_of(scene::FieldConfig{"intensity", 0.0, 1.0}),
-              testing::HasSubstr("no scan has the field 'intensity'"));
+              ::testing::HasSubstr("no scan has the field 'intensity'"));
   EXPECT_THAT(error_of(scene::FieldConfig{"confidence", 0.0, 1.0}),
-              testing::HasSubstr("no scan has the field 'confidence'"));
-  EXPECT_THAT(error_of(scene::ClassesConfig{{}, {7}}), testing::HasSubstr("no scan has the field 'classification'"));
+              ::testing::HasSubstr("no scan has the field 'confidence'"));
+  EXPECT_THAT(error_of(scene::ClassesConfig{{}, {7}}), ::testing::HasSubstr("no scan has the field 'classification'"));
   cloud.intensity = {0.5F, 2.0F, kNoIntensity, 1.0F};
   EXPECT_EQ(error_of(scene::FieldConfig{"intensity", 0.0, 1.0}), "no error");
   EXPECT_EQ(cloud.size(), 3U);

@@ -81,6 +81,28 @@ Classes classes_of(const Room& room, const pipeline::Projection& projection) {
   return shares;
 }
 
+TEST(EdgeOn, ARoundWallHasNoPlaneThatCouldBeTakenAway) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::normal_distribution<double> noise(0.0, kNoise_m);
+  const auto projected = [&](bool round) {
+    Points points;
+    for (int k = 0; k < 15'000; ++k)
+      points.push_back({0.6 * unit(random) - 0.3, 0.6 * unit(random) - 0.3, noise(random)});
+    for (int k = 0; k < 15'000; ++k) {
+      const double turn = 2.0 * std::numbers::pi * unit(random), r = 0.25 + noise(random);
+      const double along = 0.5 * unit(random) - 0.25;
+      points.push_back({round ? r * std::cos(turn) : along, round ? r * std::sin(turn) : r, 0.5 * unit(random)});
+    }
+    return project_cloud(make_cloud(points), spacing(kApart_m));
+  };
+  const pipeline::Projection pit = projected(true), step = projected(false);
+  EXPECT_GT(pit.edge_on, 5'000U);
+  EXPECT_TRUE(pit.edge_on_normal.isZero()) << pit.edge_on_normal.transpose();
+  EXPECT_GT(step.edge_on, 5'000U);
+  EXPECT_GT(std::abs(step.edge_on_normal.y()), 0.99) << step.edge_on_normal.transpose();
+}
+
 TEST(EdgeOn, FloorAndWallAreNoOutliersAndScatteredPointsAre) {
   for (const double floor_apart_m : {kApart_m, 0.6 * kApart_m, 1.8 * kApart_m}) {
     const Room here = room(floor_apart_m, 3000, 5);

@@ -264,8 +264,8 @@ TEST(PlyReader, CutsPolygonsAndStripsIntoTriangles) {
   const RawScan strip = folder.read("s.ply", header("ascii", vertices + "element tristrips 1\n"
                                                                         "property list int int vertex_indices\n") +
                                                  body + "8 0 1 3 2 -1 0 1 4\n");
-  using Face = std::array<std::uint32_t, 3>;
-  EXPECT_THAT(strip.faces, ElementsAre(Face{0, 1, 3}, Face{3, 1, 2}, Face{0, 1, 4}));
+  using Triangle = std::array<std::uint32_t, 3>;
+  EXPECT_THAT(strip.faces, ElementsAre(Triangle{0, 1, 3}, Triangle{3, 1, 2}, Triangle{0, 1, 4}));
 }
 
 TEST(PlyReader, CutsAConcavePolygonWithinItsOutline) {

@@ -1,0 +1,172 @@
+// What museums bring besides statues: friezes, coins, slabs that lie askew, stones on a lawn, bowls, masks, columns.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <random>
+
+#include <Eigen/Geometry>
+
+#include "base/threads/progress.h"
+#include "pipeline/suggest/suggest.h"
+#include "tests/support/test_folder.h"
+
+namespace sparsha::pipeline {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Points = std::vector<Eigen::Vector3d>;
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+class Everyday : public ::testing::Test {
+ protected:
+  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+  double normal(double sigma) { return sigma * std::normal_distribution<double>()(random_); }
+  Points relief(std::size_t count, double width, double height, double depth) {
+    Points points;
+    while (points.size() < count) {
+      const double x = uniform(0.0, width), y = uniform(0.0, height), each = 20.0 / std::min(width, height);
+      points.emplace_back(x, y, depth * std::sin(each * x) * std::cos(each * y));
+    }
+    return points;
+  }
+  /// What is suggested for points in metres.
+  const Suggestion& suggested(const Points& points) {
+    {
+      std::ofstream file(folder_ / "scan.xyz");
+      file << "x [m],y [m],z [m]\n";
+      file.precision(9);
+      for (const Eigen::Vector3d& p : points) file << p.x() << ',' << p.y() << ',' << p.z() << '\n';
+    }
+    Progress progress;
+    suggestion_ = suggest_config({folder_ / "scan.xyz"}, folder_, progress);
+    return suggestion_;
+  }
+  [[nodiscard]] Eigen::Vector3d towards_viewer() const {
+    return suggestion_.config.orientation.scan_to_grid.block<1, 3>(2, 0).transpose().normalized();
+  }
+  [[nodiscard]] Eigen::Vector3d up() const {
+    return suggestion_.config.orientation.scan_to_grid.block<1, 3>(1, 0).transpose().normalized();
+  }
+
+  std::mt19937_64 random_{11};
+  const test::TestFolder folder_;
+  Suggestion suggestion_;
+};
+
+double apart_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)) * 360.0 / kTurn;
+}
+
+Eigen::Matrix3d turned(double about_x_deg, double about_z_deg) {
+  return (Eigen::AngleAxisd(about_z_deg * kTurn / 360.0, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(about_x_deg * kTurn / 360.0, Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
+TEST_F(Everyday, ALongFriezeIsAsFineAsItsPoints) {
+  const double spacing_m = suggested(relief(200'000, 30.0, 0.4, 0.02)).config.grid.spacing_m;
+  EXPECT_NEAR(spacing_m, std::sqrt(30.0 * 0.4 / 200'000), 0.2 * spacing_m) << suggestion_.yaml;
+}
+
+TEST_F(Everyday, ACoinIsAsFineAsAHandThatItFillsFeels) {
+  const double spacing_m = suggested(relief(400'000, 0.02, 0.02, 0.0002)).config.grid.spacing_m;
+  EXPECT_NEAR(spacing_m, std::sqrt(0.02 * 0.02 / 400'000), 0.2 * spacing_m) << suggestion_.yaml;
+}
+
+TEST_F(Everyday, ASlabThatLiesAskewIsSeenSquarelyAndStraight) {
+  for (const double tilt_deg : {9.0, 35.0}) {
+    const Eigen::Matrix3d askew = turned(tilt_deg, 0.0) * turned(0.0, 21.0);
+    Points slab = relief(60'000, 1.2, 0.5, 0.002);
+    for (Eigen::Vector3d& p : slab) p = askew * p;
+    suggested(slab);
+    EXPECT_LT(apart_deg(towards_viewer(), askew.col(2)), 0.5) << suggestion_.yaml;
+    const double off_deg = std::min(apart_deg(up(), askew.col(1)), apart_deg(up(), -askew.col(1)));
+    EXPECT_LT(std::min(off_deg, std::abs(off_deg - 90.0)), 0.5) << suggestion_.yaml;
+  }
+}
+
+TEST_F(Everyday, ASlabThatIsNearlyInPlaceStaysThere) {
+  Points slab = relief(60'000, 1.2, 0.5, 0.002);
+  for (Eigen::Vector3d& p : slab) p = turned(2.0, 0.5) * p;
+  suggested(slab);
+  EXPECT_EQ(towards_viewer(), Eigen::Vector3d::UnitZ()) << suggestion_.yaml;
+  EXPECT_EQ(up(), Eigen::Vector3d::UnitY()) << suggestion_.yaml;
+}
+
+TEST_F(Everyday, GroundThatSlopesIsSeenFromAboveAndNorthIsUp) {
+  Points ground = relief(60'000, 80.0, 40.0, 0.5);
+  for (Eigen::Vector3d& p : ground) p = turned(15.0, 0.0) * turned(0.0, 30.0) * p;
+  suggested(ground);
+  EXPECT_EQ(towards_viewer(), Eigen::Vector3d::UnitZ()) << suggestion_.yaml;
+  EXPECT_EQ(up(), Eigen::Vector3d::UnitY()) << suggestion_.yaml;
+}
+
+TEST_F(Everyday, AFlatStoneStandsWithoutItsLawn) {
+  const Eigen::Matrix3d leaning = turned(0.0, 33.0) * turned(-6.0, 0.0);
+  Points points;
+  for (int k = 0; k < 60'000; ++k) {
+    const double x = uniform(-0.4, 0.4), z = uniform(0.0, 1.2);
+    points.push_back(leaning * Eigen::Vector3d(x, -0.075 + 0.003 * std::sin(40.0 * x) * std::sin(40.0 * z), z));
+  }
+  for (int k = 0; k < 8'000; ++k)
+    points.push_back(leaning * Eigen::Vector3d(k % 2 == 0 ? 0.4 : -0.4, uniform(-0.075, 0.075), uniform(0.0, 1.2)));
+  for (int k = 0; k < 60'000; ++k) points.emplace_back(uniform(-2.0, 2.0), uniform(-3.0, 1.0), std::abs(normal(0.02)));
+  for (Eigen::Vector3d& p : points) p += Eigen::Vector3d(-4.0, 6.5, -1.5);  // from the scanner
+  suggested(points);
+  EXPECT_THAT(suggestion_.yaml, HasSubstr("\n  - remove_plane: {normal: [0, 0, 1]"));
+  EXPECT_LT(apart_deg(towards_viewer(), -leaning.col(1)), 2.0) << suggestion_.yaml;
+  EXPECT_LT(apart_deg(up(), leaning.col(2)), 2.0) << suggestion_.yaml;
+}
+
+TEST_F(Everyday, ABowlOpensUpwardsAndABellHangs) {
+  const auto shell = [&](double side) {
+    Points points;
+    while (points.size() < 40'000) {
+      const Eigen::Vector3d p(normal(1.0), normal(1.0), normal(1.0));
+      const Eigen::Vector3d d = p.normalized();
+      if (side * d.z() < 0.1) points.push_back((points.size() % 2 == 0 ? 0.1 : 0.095) * d);
+    }
+    return points;
+  };
+  suggested(shell(1.0));
+  EXPECT_LT(apart_deg(up(), Eigen::Vector3d::UnitZ()), 1.0) << suggestion_.yaml;
+  suggested(shell(-1.0));
+  EXPECT_LT(apart_deg(up(), Eigen::Vector3d::UnitZ()), 1.0) << suggestion_.yaml;
+}
+
+TEST_F(Everyday, AMaskLooksAtTheViewer) {
+  const Eigen::Matrix3d lying = turned(70.0, 20.0);
+  Points points;
+  while (points.size() < 80'000) {
+    const double x = uniform(-0.07, 0.07), y = uniform(-0.1, 0.1);
+    const double inside = 1.0 - x * x / 0.0049 - y * y / 0.01;
+    if (inside < 0.0) continue;
+    const double front = 0.04 * std::sqrt(inside) + 0.012 * std::exp(-x * x / 1e-4 - y * y / 9e-4);
+    points.push_back(lying * Eigen::Vector3d(x, y, front - (points.size() % 2 == 0 ? 0.0 : 0.003)));
+  }
+  suggested(points);
+  EXPECT_GT(towards_viewer().dot(lying.col(2)), 0.7) << suggestion_.yaml;
+}
+
+TEST_F(Everyday, AColumnMayBeLaidFlatAndAPillarMayNot) {
+  const auto pillar = [&](bool round) {
+    Points points;
+    for (int k = 0; k < 60'000; ++k) {
+      const double turn = uniform(0.0, kTurn), z = uniform(0.0, 3.0);
+      const double flutes = 0.5 - 0.02 * z - 0.02 * std::abs(std::sin(10.0 * turn));
+      const double square = 0.4 / std::max(std::abs(std::cos(turn)), std::abs(std::sin(turn)));
+      const double radius = round ? flutes : square;
+      points.emplace_back(radius * std::cos(turn), radius * std::sin(turn), z);
+    }
+    return points;
+  };
+  EXPECT_THAT(suggested(pillar(true)).yaml, HasSubstr("\n# unroll: {axis: auto}  # it is round"));
+  EXPECT_THAT(suggested(pillar(false)).yaml, Not(HasSubstr("unroll")));
+}
+
+}  // namespace
+}  // namespace sparsha::pipeline
