@@ -41,7 +41,7 @@ constexpr int kSides = 6;
 sparsha::pipeline::EvenPoints object_of(const sparsha::scene::ScanConfig& scan, sparsha::Progress& progress) {
   const sparsha::pipeline::ScanStatistics statistics = sparsha::pipeline::scan_statistics(scan.file, progress);
   sparsha::pipeline::SeenScans seen;
-  seen.look_at(statistics.scan, statistics.runs, sparsha::scene::metres_in(scan.units.unit));
+  seen.look_at(statistics, sparsha::scene::metres_in(scan.units.unit));
   return sparsha::pipeline::even_points(seen.triangles_m.empty() ? seen.points_m : seen.triangles_m);
 }
 
@@ -110,10 +110,11 @@ double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 // What is seen of a scan turned by `turn`.
 sparsha::pipeline::SeenScans seen_turned(const sparsha::pipeline::ScanStatistics& statistics,
                                          const Eigen::Matrix3d& turn) {
-  sparsha::pipeline::RawScan scan = statistics.scan;
-  for (Eigen::Vector3d& p : scan.points) p = turn * p;
+  sparsha::pipeline::ScanStatistics turned = statistics;
+  for (Eigen::Vector3d& p : turned.scan.points) p = turn * p;
+  turned.stated_facing = turn * turned.stated_facing;
   sparsha::pipeline::SeenScans seen;
-  seen.look_at(scan, statistics.runs, sparsha::scene::metres_in(scan.unit.value_or(sparsha::scene::LengthUnit::m)));
+  seen.look_at(turned, sparsha::scene::metres_in(turned.scan.unit.value_or(sparsha::scene::LengthUnit::m)));
   return seen;
 }
 

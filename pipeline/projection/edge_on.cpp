@@ -211,7 +211,7 @@ void add_edge_on(std::uint64_t points, const Eigen::Vector3d& normal, const Eige
   projection.occluded += points;
   projection.edge_on += points;
   const Eigen::Vector3d in_scan = scan_to_grid.topLeftCorner<3, 3>().transpose() * normal;
-  if (normal.norm() > 0.0) projection.edge_on_normal = in_scan.normalized();
+  projection.edge_on_normal = normal.isZero() ? Eigen::Vector3d(normal) : Eigen::Vector3d(in_scan.normalized());
 }
 
 }  // namespace sparsha::pipeline

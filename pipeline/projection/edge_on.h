@@ -95,7 +95,7 @@ class EdgeOnSurfaces {
   std::array<Direction, kDirections> directions_{};
 };
 
-/// Writes what was found into the projection; `points` were taken out.
+/// Writes what was found so far into the projection; `points` were taken out.
 void add_edge_on(std::uint64_t points, const Eigen::Vector3d& normal, const Eigen::Matrix4d& scan_to_grid,
                  Projection& projection);
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <unordered_map>
 
@@ -202,6 +203,28 @@ class PointsAgain {
   std::vector<Block> blocks_;
 };
 
+/// The mean of unit normals, in whole numbers, so that their order does not matter.
+class Facing {
+ public:
+  void add(std::span<const Eigen::Vector3f> normals) {
+    for (const Eigen::Vector3f& normal : normals) {
+      const float length = normal.norm();
+      if (!(length > 0.0F) || !std::isfinite(length)) continue;
+      for (Eigen::Index a = 0; a < 3; ++a) sum_[a] += std::llround(kUnit * static_cast<double>(normal[a] / length));
+      ++count_;
+    }
+  }
+  [[nodiscard]] Eigen::Vector3d mean() const {
+    if (count_ == 0) return Eigen::Vector3d::Zero();
+    return sum_.cast<double>() / (kUnit * static_cast<double>(count_));
+  }
+
+ private:
+  static constexpr double kUnit = 4096.0;
+  Eigen::Matrix<std::int64_t, 3, 1> sum_ = Eigen::Matrix<std::int64_t, 3, 1>::Zero();
+  std::int64_t count_ = 0;
+};
+
 /// In an order of their own.
 std::vector<Eigen::Vector3d> in_order(std::vector<Eigen::Vector3d> points) {
   std::sort(points.begin(), points.end(), [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -237,6 +260,11 @@ ScanStatistics statistics_of_whole(const std::filesystem::path& file, Progress& 
   const std::optional<Eigen::Vector2d>& cell = statistics.scan.cell;
   statistics.spacing = cell ? cell->minCoeff() : median_spacing(statistics.scan.points);
   statistics.runs = runs_of(statistics.scan.points);
+  if (statistics.scan.faces.empty()) {
+    Facing facing;
+    facing.add(statistics.scan.normals);
+    statistics.stated_facing = facing.mean();
+  }
   return statistics;
 }
 
@@ -260,8 +288,10 @@ ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& prog
   PointSample few;
   std::uint64_t count = 0;
   std::uint64_t at_scanner = 0;
+  Facing facing;
   statistics.scan = points.first([&](const PointBlock& block) {
     count += block.points.size();
+    facing.add(block.normals);
     for (const Eigen::Vector3d& p : block.points) {
       const bool empty = is_at_scanner(p, block.station);
       at_scanner += empty ? 1 : 0;
@@ -272,6 +302,7 @@ ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& prog
     statistics = {};
     return statistics_of_whole(file, progress, options);
   }
+  statistics.stated_facing = facing.mean();
   judge(statistics);
   const bool empty_returns = are_empty_returns(at_scanner, count);
   if (empty_returns) {

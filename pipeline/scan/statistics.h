@@ -20,7 +20,9 @@ struct ScanStatistics {
   /// What the scan says of its points' worth. Those that its filters refuse are not in `scan`, nor in its records.
   std::vector<Worth> worth;
   std::uint64_t empty_returns = 0;  ///< points at 0 0 0 that were left out
-  double spacing = 0.0;             ///< median nearest-neighbour distance of a sample, file units; 0 when unknown
+  /// Mean direction of the normals that points without faces state, of length 1 where all agree; zero without any.
+  Eigen::Vector3d stated_facing = Eigen::Vector3d::Zero();
+  double spacing = 0.0;  ///< median nearest-neighbour distance of a sample, file units; 0 when unknown
 };
 
 /// The same whatever is kept in memory: of a scan without faces with more than `kept_points` the file is gone through

@@ -19,9 +19,12 @@ namespace {
 constexpr double kMostNodes = 4e6;  // of a first grid: a minute to build and look at, whatever the scans
 constexpr double kMeshNodes = 500.0;
 
-// Of an object that fills the workspace; of a larger one at its own size.
+// Of an object that fills the workspace; of a larger one at its own size, and no finer than of the smallest thing that
+// anybody scans.
 double hand_resolution_m(double longest_m) {
-  return scene::HapticsConfig{}.resolution_m * std::min(1.0, longest_m / scene::kDeskWorkspace_m);
+  constexpr double kSmallest_m = 1e-3;
+  return scene::HapticsConfig{}.resolution_m * std::clamp(longest_m, kSmallest_m, scene::kDeskWorkspace_m) /
+         scene::kDeskWorkspace_m;
 }
 
 // Searches views and spacings for a surface that passes its own cross-check.

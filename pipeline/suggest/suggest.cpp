@@ -16,6 +16,7 @@
 #include "base/yaml/yaml.h"
 #include "base/yaml/yaml_text.h"
 #include "pipeline/orient/mantle.h"
+#include "pipeline/orient/thumbnails.h"
 #include "pipeline/outofcore/memory.h"
 #include "pipeline/scan/empty_scan.h"
 #include "pipeline/scan/named_file.h"
@@ -79,6 +80,11 @@ std::string other_sides(const View& front) {
                         side.name);
   }
   return text;
+}
+
+std::string other_side(const View& front) {
+  return fmt::format("# orientation: {{look_from: {}, up: {}}}  # its other side, if what is raised feels sunken\n",
+                     vector(rounded_direction(-front.look_from)), vector(front.up));
 }
 
 // A unit of a scan, what it is in metres, and why it is taken.
@@ -232,7 +238,7 @@ std::string look_at(const std::vector<fs::path>& files, const fs::path& folder, 
   for (std::size_t s = 0; s < scans.size(); ++s) {
     const std::string columns = columns_text(all[s].scan);
     const std::size_t first = seen.points_m.size();
-    seen.look_at(all[s].scan, all[s].runs, units[s].metres);
+    seen.look_at(all[s], units[s].metres);
     require_extent(scans[s].string(),
                    {seen.points_m.begin() + static_cast<std::ptrdiff_t>(first), seen.points_m.end()});
     names.add(scans[s].string(), std::span(seen.points_m).subspan(first));
@@ -379,6 +385,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   yaml += fmt::format("orientation: {{look_from: {}, up: {}}}\n", vector(view.look_from), vector(view.up));
   yaml += verdict(choice, share);
   if (ways.sides.standing) yaml += other_sides(view);
+  if (ways.sides.other_side && view.look_from == ways.sides.views.front().look_from) yaml += other_side(view);
   yaml += round_hint(seen, ways.sides, filtered || ways.planes_go);
   yaml += fmt::format("grid: {{spacing_mm: {}}}  # {}\n",
                       choice.exact_spacing ? fmt::format("{:.12g}", spacing_mm) : written_mm(1e-3 * spacing_mm),

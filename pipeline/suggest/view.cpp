@@ -195,6 +195,8 @@ View guess_view(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up,
                 const Thinness& thin, Object& object, Sides& sides) {
   const Eigen::Vector3d centre = 0.5 * (box.low + box.high);
   const double size = (box.high - box.low).norm();
+  constexpr double kAgreed = 0.3;  // mean of unit normals
+  const Eigen::Vector3d facing = seen.stated / std::max(1.0, seen.records);
   View guess;
   guess.up.setZero();
   guess.evident = true;
@@ -218,10 +220,19 @@ View guess_view(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up,
     return guess;
   } else if (thin.flatness < kFlat) {
     const bool scanner_side = origin_is_a_scanner(thin.direction, centre, size);
-    guess.look_from =
-        snapped(seen_side(thin.direction, centre, size), known_within_deg(thin, is_ground(thin.direction, seen, box)));
-    guess.reason = fmt::format("the points are flat ({:.0f} % as thick as wide) across this direction{}",
-                               100.0 * thin.flatness, scanner_side ? ", and the scan's origin lies on this side" : "");
+    const bool told = std::abs(facing.dot(thin.direction)) > kAgreed;
+    const Eigen::Vector3d side = told ? thin.direction * (facing.dot(thin.direction) < 0.0 ? -1.0 : 1.0)
+                                      : seen_side(thin.direction, centre, size);
+    guess.look_from = snapped(side, known_within_deg(thin, is_ground(thin.direction, seen, box)));
+    guess.reason =
+        fmt::format("the points are flat ({:.0f} % as thick as wide) across this direction{}", 100.0 * thin.flatness,
+                    told           ? ", and their normals face this way"
+                    : scanner_side ? ", and the scan's origin lies on this side"
+                                   : "");
+    sides.other_side = !told && !scanner_side && !is_ground(thin.direction, seen, box);
+  } else if (facing.norm() > kAgreed && object.one_sided(facing)) {
+    guess.look_from = snapped(facing);
+    guess.reason = "the points' normals face this way";
   } else if (seen.area == 0.0 && centre.norm() > size && centre.norm() < 100.0 * size && object.one_sided(-centre)) {
     guess.evident = false;  // an origin may be anywhere
     guess.look_from = snapped(-centre);
@@ -266,7 +277,8 @@ void spread_over_triangles(const RawScan& scan, double metres, double area, std:
 
 }  // namespace
 
-void SeenScans::look_at(const RawScan& scan, const PointRuns& runs, double metres) {
+void SeenScans::look_at(const ScanStatistics& file, double metres) {
+  const RawScan& scan = file.scan;
   const std::size_t stride = std::max<std::size_t>(1, scan.points.size() / kSample);
   for (std::size_t i = 0; i < scan.points.size(); i += stride) points_m.push_back(scan.points[i] * metres);
   double scan_area = 0.0;
@@ -276,9 +288,14 @@ void SeenScans::look_at(const RawScan& scan, const PointRuns& runs, double metre
     scan_area += normal.norm();
   }
   area += scan_area;
+  if (scan.faces.empty()) {
+    const auto points = static_cast<double>(scan.records - scan.invalid);
+    stated += points * file.stated_facing;
+    records += points;
+  }
   spread_over_triangles(scan, metres, scan_area, triangles_m);
   if (is_z_up(scan.format)) z_up_format = true;
-  range_images = (range_images || !any_) && is_range_image(scan, runs);
+  range_images = (range_images || !any_) && is_range_image(scan, file.runs);
   rasters = (rasters || !any_) && scan.cell.has_value();
   any_ = true;
   if (scan.format.starts_with("PCD")) depth_camera_format = true;

@@ -10,7 +10,7 @@
 
 #include "pipeline/orient/front.h"
 #include "pipeline/scan/reader.h"
-#include "pipeline/scan/runs.h"
+#include "pipeline/scan/statistics.h"
 #include "pipeline/suggest/floors.h"
 #include "pipeline/suggest/inner_box.h"
 
@@ -22,13 +22,15 @@ struct SeenScans {
   std::vector<Eigen::Vector3d> triangles_m;          ///< places spread evenly over the triangles
   Eigen::Vector3d facing = Eigen::Vector3d::Zero();  ///< sum of triangle area vectors
   double area = 0.0;                                 ///< sum of triangle areas
+  Eigen::Vector3d stated = Eigen::Vector3d::Zero();  ///< sum of the points' stated normals, each of length 1
+  double records = 0.0;                              ///< points of the scans without faces
   bool z_up_format = false;                          ///< formats whose z is up
   bool depth_camera_format = false;                  ///< formats that depth cameras write in their own frame
   bool range_images = false;                         ///< all scans are images of a camera in the origin
   bool rasters = false;                              ///< all scans are grids of heights over x and y
 
-  /// `runs` are of the file, of which `scan` may hold a sample.
-  void look_at(const RawScan& scan, const PointRuns& runs, double metres);
+  /// The scan of a file, or a sample of it.
+  void look_at(const ScanStatistics& file, double metres);
   /// Keeps the points in the box.
   void crop(const scene::CropConfig& box);
   /// Takes away what is around the object.
@@ -52,6 +54,7 @@ struct View {
 struct Sides {
   std::vector<View> views;                   ///< the guess, then others to try, each once
   std::optional<Standing> standing;          ///< of a solid object; else its sides are the scan's axes
+  bool other_side = false;                   ///< what is flat may as well be seen from its other side
   bool open = false;                         ///< another side may as well be the front
   std::shared_ptr<const EvenPoints> object;  ///< where it is open: what pictures of the sides are made of
 };

@@ -23,6 +23,7 @@
 namespace sparsha {
 namespace {
 using ::testing::AllOf;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::IsSupersetOf;
@@ -389,7 +390,10 @@ TEST_F(Files, AScanThatIsCutWhileItIsReadIsAnErrorOfTheInput) {
       ASSERT_EQ(::waitpid(program, &status, 0), program);
       ASSERT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status);
       EXPECT_EQ(WEXITSTATUS(status), 3) << command;
-      EXPECT_THAT(text_of(folder_ / ".err"), HasSubstr("cut.ply: error: the file became shorter while it was read"));
+      // The second where it was stopped between two passes over the file.
+      EXPECT_THAT(text_of(folder_ / ".err"),
+                  AnyOf(HasSubstr("cut.ply: error: the file became shorter while it was read"),
+                        HasSubstr("a header that fits the file; it may be cut short")));
       EXPECT_THAT(text_of(folder_ / ".out"), IsEmpty());
     }
     EXPECT_TRUE(caught) << command << ": it was always too quick";

@@ -27,7 +27,10 @@ RawScan scan_of(Points points, const char* format = "PLY ascii") {
 
 View guess(const RawScan& scan) {
   SeenScans seen;
-  seen.look_at(scan, runs_of(scan.points), 1.0);
+  ScanStatistics statistics;
+  statistics.scan = scan;
+  statistics.runs = runs_of(scan.points);
+  seen.look_at(statistics, 1.0);
   return sides_of(seen, std::nullopt).views.front();
 }
 

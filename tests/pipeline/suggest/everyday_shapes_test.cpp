@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include <Eigen/Geometry>
@@ -34,12 +35,16 @@ class Everyday : public ::testing::Test {
     return points;
   }
   /// What is suggested for points in metres.
-  const Suggestion& suggested(const Points& points) {
+  const Suggestion& suggested(const Points& points, const std::optional<Eigen::Vector3d>& normal = {}) {
     {
       std::ofstream file(folder_ / "scan.xyz");
-      file << "x [m],y [m],z [m]\n";
+      file << "x [m],y [m],z [m]" << (normal ? ",nx,ny,nz\n" : "\n");
       file.precision(9);
-      for (const Eigen::Vector3d& p : points) file << p.x() << ',' << p.y() << ',' << p.z() << '\n';
+      for (const Eigen::Vector3d& p : points) {
+        file << p.x() << ',' << p.y() << ',' << p.z();
+        if (normal) file << ',' << normal->x() << ',' << normal->y() << ',' << normal->z();
+        file << '\n';
+      }
     }
     Progress progress;
     suggestion_ = suggest_config({folder_ / "scan.xyz"}, folder_, progress);
@@ -95,6 +100,21 @@ TEST_F(Everyday, ASlabThatIsNearlyInPlaceStaysThere) {
   suggested(slab);
   EXPECT_EQ(towards_viewer(), Eigen::Vector3d::UnitZ()) << suggestion_.yaml;
   EXPECT_EQ(up(), Eigen::Vector3d::UnitY()) << suggestion_.yaml;
+}
+
+TEST_F(Everyday, NormalsTellTheFrontOfAReliefAndWithoutThemTheOtherSideIsOffered) {
+  const Points wall = relief(20'000, 1.0, 1.0, 0.01);
+  const std::string other = "# orientation: {look_from: [0, 0, -1], up: [0, 1, 0]}  # its other side";
+  EXPECT_THAT(suggested(wall).yaml, HasSubstr(other));
+  for (const double side : {1.0, -1.0}) {
+    suggested(wall, side * Eigen::Vector3d::UnitZ());
+    EXPECT_EQ(towards_viewer(), side * Eigen::Vector3d::UnitZ()) << suggestion_.yaml;
+    EXPECT_THAT(suggestion_.yaml, HasSubstr("their normals face this way"));
+    EXPECT_THAT(suggestion_.yaml, Not(HasSubstr("other side")));
+  }
+  const Points many = relief(150'000, 1.0, 1.0, 0.01);  // a sample of them is kept
+  suggested(many, Eigen::Vector3d(0.1, 0.0, -1.0));
+  EXPECT_EQ(towards_viewer(), -Eigen::Vector3d::UnitZ()) << suggestion_.yaml;
 }
 
 TEST_F(Everyday, GroundThatSlopesIsSeenFromAboveAndNorthIsUp) {
