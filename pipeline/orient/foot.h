@@ -27,6 +27,8 @@ struct Stand {
 };
 [[nodiscard]] Stand stand_of(const EvenPoints& object, const Eigen::Vector3d& up);
 
+inline constexpr double kLeastTip_deg = 4.0;  ///< what falls over sooner does not stand
+
 /// With that direction up it would stand on a closed ring about nothing, and is round about it: a bowl on its rim, a
 /// bell, and what is round and has no scan from below.
 [[nodiscard]] bool is_round_on_a_rim(const EvenPoints& object, const Eigen::Vector3d& up);

@@ -14,6 +14,7 @@
 
 #include "pipeline/orient/foot.h"
 #include "pipeline/orient/likeness.h"
+#include "pipeline/orient/mantle.h"
 #include "pipeline/orient/room.h"
 #include "pipeline/orient/upright.h"
 
@@ -132,6 +133,36 @@ Standing standing_by(const UprightBySymmetry& upright, const Standing& custom, b
   return standing;
 }
 
+// What is round, as columns and vases are, stands along its axis: on the end that is closed, which custom outweighs
+// where that is all that tells, as of a bell.
+std::optional<Standing> standing_of_round(const EvenPoints& object, const Standing& custom,
+                                          const Eigen::Vector3d& other) {
+  constexpr std::size_t kSome = 6'000;
+  constexpr double kNearAxis = 0.9986;  // cosine of 3 degrees
+  std::vector<Eigen::Vector3d> some;
+  const std::size_t step = std::max<std::size_t>(1, object.points.size() / kSome);
+  for (std::size_t i = 0; i < object.points.size(); i += step) some.push_back(object.points[i]);
+  const std::optional<FoundMantle> mantle = mantle_of_round(some, custom.up);
+  if (!mantle) return std::nullopt;
+  Eigen::Vector3d axis = mantle->unroll.axis->normalized();
+  Eigen::Index longest = 0;
+  if (axis.cwiseAbs().maxCoeff(&longest) > kNearAxis)
+    axis = (axis[longest] < 0.0 ? -1.0 : 1.0) * Eigen::Vector3d::Unit(longest);
+  const auto worth = [&](const Eigen::Vector3d& up) {
+    constexpr double kClosed = 0.45, kWide = 0.3;  // of an end that is filled, and of its share of the outline
+    const double custom_worth = up == custom.up ? kCustom : up == other ? kOtherCustom : 0.0;
+    const Stand stand = stand_of(object, up);
+    if (stand.tip_deg < kLeastTip_deg) return custom_worth;
+    return custom_worth + kClosed * stand.filled * stand.filled + kWide * stand.foot;
+  };
+  const double upwards = worth(axis), downwards = worth(-axis);
+  Standing standing;
+  standing.up = downwards > upwards ? Eigen::Vector3d(-axis) : axis;
+  standing.open = std::abs(upwards - downwards) < kClearly;
+  standing.reason = "it is round, and its axis is upright";
+  return standing;
+}
+
 // What is round and open on one side is a bowl or a bell: an axis of the scan that custom calls up tells, since it was
 // laid along it.
 void turn_bowl_over(const EvenPoints& object, Standing& standing) {
@@ -181,6 +212,11 @@ std::optional<Standing> standing_of(const EvenPoints& object, bool z_up) {
   const std::vector<Eigen::Vector3d> tilted = tilted_bases(object);
   if (const std::optional<Room> room = room_of(object, tilted)) return standing_of_room(*room);
   Standing standing = standing_of_solid(object, z_up, tilted);
+  if (!standing.face) {
+    const std::optional<Standing> round =
+        standing_of_round(object, customary_standing(z_up), customary_standing(!z_up).up);
+    if (round) standing = *round;
+  }
   turn_bowl_over(object, standing);
   return standing;
 }

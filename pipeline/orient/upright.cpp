@@ -23,7 +23,6 @@ constexpr double kView = 2.0 * std::numbers::pi / static_cast<double>(kViews);
 constexpr double kChance = 0.56;        // likeness of a face, over 45 degrees, that what has none does not reach
 constexpr double kFaceSure = 0.035;     // over that
 constexpr double kFace = 1.0;           // worth of a sure face beside those of feet and custom
-constexpr double kLeastTip = 4.0;       // degrees: what falls over sooner does not stand
 constexpr std::size_t kFewestLegs = 3;  // two are ears or horns
 constexpr double kLegs = 0.15;          // worth of them: bodies lie on their back as well as they stand
 constexpr double kCarvedTop = 0.5;      // less for what shows twice as much carving from above as from beside
@@ -147,7 +146,7 @@ EvenPoints fewer_of(const EvenPoints& object) {
 // to rest.
 double foot_worth(const Stand& stand) {
   constexpr double kOften = 0.1;  // of all directions from its middle: a bust's base has 0.1, a horse's hooves 0.07
-  if (stand.tip_deg < kLeastTip) return 0.0;
+  if (stand.tip_deg < kLeastTip_deg) return 0.0;
   return stand.foot * (0.6 + 0.4 * stand.filled) * std::min(1.0, 0.5 + 0.5 * stand.resting / kOften);
 }
 
@@ -163,7 +162,7 @@ void add_uprights(const EvenPoints& object, const EvenPoints& fewer, const Plane
                   const std::array<CustomaryUp, 2>& customs, std::vector<UprightBySymmetry>& all) {
   const auto add = [&](const Eigen::Vector3d& up, const Stand& stand, double custom) {
     UprightBySymmetry upright{up, std::nullopt, stand.foot, foot_worth(stand) + custom, 0.0};
-    if (stand.tip_deg >= kLeastTip && legs_of(object, up) >= kFewestLegs) upright.worth += kLegs;
+    if (stand.tip_deg >= kLeastTip_deg && legs_of(object, up) >= kFewestLegs) upright.worth += kLegs;
     const double angle = plane.angle_of(up);
     const std::size_t side = plane.likeness(angle, 1) > plane.likeness(angle, 0) ? 1 : 0;
     const double likeness = plane.likeness(angle, side);
@@ -194,7 +193,7 @@ void add_uprights(const EvenPoints& object, const EvenPoints& fewer, const Plane
     }
     // Chance levels no foot with an axis of the scan; but what lies on its back looks up.
     const bool level_foot = level.dot(custom.up) > std::cos(kLevel * kDegree) && stand.foot > kLevelFoot &&
-                            stand.tip_deg >= kLeastTip && !plane.face_looks_to(custom.up);
+                            stand.tip_deg >= kLeastTip_deg && !plane.face_looks_to(custom.up);
     add(custom.up, stand, custom.worth + (level_foot ? kLevelCustom : 0.0));
   }
 }

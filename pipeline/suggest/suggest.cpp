@@ -315,7 +315,7 @@ Ways try_ways(const SeenScans& seen, TrialCloud& points, const std::optional<Eig
 // A line that lays the mantle of a column or a vase flat, for those who take out its '#'. Only where no filter changes
 // what is seen.
 std::string round_hint(const SeenScans& seen, const Sides& sides, bool filtered) {
-  constexpr std::size_t kEnough = 20'000;
+  constexpr std::size_t kEnough = 6'000;
   if (!sides.standing || sides.standing->room || filtered) return {};
   const std::vector<Eigen::Vector3d>& all = seen.triangles_m.empty() ? seen.points_m : seen.triangles_m;
   std::vector<Eigen::Vector3d> sample;

@@ -172,6 +172,32 @@ TEST_F(Everyday, AMaskLooksAtTheViewer) {
   EXPECT_GT(towards_viewer().dot(lying.col(2)), 0.7) << suggestion_.yaml;
 }
 
+TEST_F(Everyday, AVaseStandsOnItsFootWhateverItsAxes) {
+  Points vase;
+  for (int k = 0; k < 30'000; ++k) {
+    const double turn = uniform(0.0, kTurn), z = uniform(0.0, 0.3);
+    const double belly = std::exp(-std::pow((z - 0.12) / 0.07, 2)), mouth = std::exp(-std::pow((z - 0.3) / 0.03, 2));
+    const double radius = 0.03 + 0.07 * belly + 0.02 * mouth;
+    vase.emplace_back(radius * std::cos(turn), radius * std::sin(turn), z);
+  }
+  for (int k = 0; k < 2'000; ++k) {
+    const double turn = uniform(0.0, kTurn), radius = 0.0325 * std::sqrt(uniform(0.0, 1.0));
+    vase.emplace_back(radius * std::cos(turn), radius * std::sin(turn), 0.0);
+  }
+  for (int k = 0; k < 4'000; ++k) {  // two handles
+    const double around = uniform(0.0, kTurn), along = uniform(-1.4, 1.4), side = k % 2 == 0 ? 1.0 : -1.0;
+    const double reach = 0.05 + 0.006 * std::cos(around);
+    vase.emplace_back(side * (0.045 + reach * std::cos(along)), 0.006 * std::sin(around),
+                      0.22 + reach * std::sin(along));
+  }
+  for (const double lying_deg : {0.0, 90.0, 130.0, 180.0}) {
+    Points lying = vase;
+    for (Eigen::Vector3d& p : lying) p = turned(lying_deg, 25.0) * p;
+    suggested(lying);
+    EXPECT_LT(apart_deg(up(), turned(lying_deg, 25.0).col(2)), 1.0) << lying_deg << "\n" << suggestion_.yaml;
+  }
+}
+
 TEST_F(Everyday, AColumnMayBeLaidFlatAndAPillarMayNot) {
   const auto pillar = [&](bool round) {
     Points points;
