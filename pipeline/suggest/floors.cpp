@@ -64,7 +64,7 @@ double extent_along(const Points& points, const Eigen::Vector3d& direction) {
 // One point a cube, so that areas count and not densities.
 Points spread_evenly(const Points& points, double cube_m) {
   PlaneSample sample(0.5 * cube_m);
-  const Eigen::Vector3d origin = points.front();
+  const Eigen::Vector3d& origin = points.front();
   for (const Eigen::Vector3d& p : points) sample.add((p - origin).cast<float>());
   Points even;
   for (const Eigen::Vector3f& p : sample.take()) even.push_back(origin + p.cast<double>());
@@ -225,7 +225,7 @@ scene::RemovePlaneConfig filter_of(const Candidate& plane, double size_m) {
 // False when the filter finds no plane, or another, such as the ceiling.
 bool as_a_build_finds_it(const Points& points, const Candidate& candidate, FloorsAndWalls::Plane& plane,
                          const Context& context) {
-  const Eigen::Vector3d origin = points.front();
+  const Eigen::Vector3d& origin = points.front();
   PlaneSample sample(plane.filter.distance_m);
   for (const Eigen::Vector3d& p : points) sample.add((p - origin).cast<float>());
   try {

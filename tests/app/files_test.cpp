@@ -22,7 +22,6 @@
 
 namespace sparsha {
 namespace {
-using ::testing::AllOf;
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;

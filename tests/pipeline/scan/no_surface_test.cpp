@@ -26,7 +26,6 @@ using testing::Face;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::kUtm;
-using testing::moved;
 using testing::Points;
 using testing::scan_of;
 using testing::ScanFolder;
