@@ -215,7 +215,7 @@ std::optional<Standing> standing_of(const EvenPoints& object, bool z_up) {
   if (!standing.face) {
     const std::optional<Standing> round =
         standing_of_round(object, customary_standing(z_up), customary_standing(!z_up).up);
-    if (round) standing = *round;
+    if (round) return round;
   }
   turn_bowl_over(object, standing);
   return standing;

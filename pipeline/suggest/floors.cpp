@@ -49,16 +49,18 @@ struct Candidate {
   [[nodiscard]] bool holds(const Eigen::Vector3d& p) const { return std::abs(normal.dot(p) + offset_m) <= tolerance_m; }
 };
 
-// Extent between the 2nd and the 98th percentile.
-double extent_along(const Points& points, const Eigen::Vector3d& direction) {
+// The 2nd and the 98th percentile.
+std::pair<double, double> ends_along(const Points& points, const Eigen::Vector3d& direction) {
   std::vector<double> places;
   places.reserve(points.size());
   for (const Eigen::Vector3d& p : points) places.push_back(direction.dot(p));
-  const auto rank = [&](double share) {
-    return value_of_rank(places, static_cast<std::size_t>(share * static_cast<double>(places.size() - 1)));
-  };
-  const double low = rank(0.02);
-  return rank(0.98) - low;
+  const double low = quantile(places, 0.02);
+  return {low, quantile(places, 0.98)};
+}
+
+double extent_along(const Points& points, const Eigen::Vector3d& direction) {
+  const auto [low, high] = ends_along(points, direction);
+  return high - low;
 }
 
 // One point a cube, so that areas count and not densities.
@@ -146,13 +148,8 @@ bool lies_all_about(const Candidate& plane, const Points& rest) {
   for (int k = 0; k < kTurns; ++k) {
     const double turn = std::numbers::pi * k / kTurns;
     const Eigen::Vector3d direction = std::cos(turn) * u + std::sin(turn) * v;
-    const auto ends = [&](const Points& points) {
-      std::vector<double> places;
-      for (const Eigen::Vector3d& p : points) places.push_back(direction.dot(p));
-      return std::pair(quantile(places, 0.02), quantile(places, 0.98));
-    };
-    const auto [low, high] = ends(plane.places);
-    const auto [first, last] = ends(rest);
+    const auto [low, high] = ends_along(plane.places, direction);
+    const auto [first, last] = ends_along(rest, direction);
     if (first - low < kBeyond * (high - low) || high - last < kBeyond * (high - low)) return false;
   }
   return extent_along(rest, plane.normal) >= kStandsOut * (extent_along(rest, u) + extent_along(rest, v));

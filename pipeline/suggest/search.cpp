@@ -16,7 +16,7 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr double kMostNodes = 4e6;  // of a first grid: a minute to build and look at, whatever the scans
+constexpr double kMostNodes = 4e6;  // of a first grid; a finer one is asked for by grid.spacing_mm
 constexpr double kMeshNodes = 500.0;
 
 // Of an object that fills the workspace; of a larger one at its own size, and no finer than of the smallest thing that

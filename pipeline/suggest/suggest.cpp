@@ -385,7 +385,8 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   yaml += fmt::format("orientation: {{look_from: {}, up: {}}}\n", vector(view.look_from), vector(view.up));
   yaml += verdict(choice, share);
   if (ways.sides.standing) yaml += other_sides(view);
-  if (ways.sides.other_side && view.look_from == ways.sides.views.front().look_from) yaml += other_side(view);
+  if (ways.sides.other_side && !ways.sides.standing && view.look_from == ways.sides.views.front().look_from)
+    yaml += other_side(view);
   yaml += round_hint(seen, ways.sides, filtered || ways.planes_go);
   yaml += fmt::format("grid: {{spacing_mm: {}}}  # {}\n",
                       choice.exact_spacing ? fmt::format("{:.12g}", spacing_mm) : written_mm(1e-3 * spacing_mm),
