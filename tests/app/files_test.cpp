@@ -22,7 +22,6 @@
 
 namespace sparsha {
 namespace {
-using ::testing::AnyOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::IsSupersetOf;
@@ -389,10 +388,12 @@ TEST_F(Files, AScanThatIsCutWhileItIsReadIsAnErrorOfTheInput) {
       ASSERT_EQ(::waitpid(program, &status, 0), program);
       ASSERT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status);
       EXPECT_EQ(WEXITSTATUS(status), 3) << command;
-      // The second where it was stopped between two passes over the file.
-      EXPECT_THAT(text_of(folder_ / ".err"),
-                  AnyOf(HasSubstr("cut.ply: error: the file became shorter while it was read"),
-                        HasSubstr("a header that fits the file; it may be cut short")));
+      // It was stopped between two passes over the file: once more.
+      if (text_of(folder_ / ".err").find("it may be cut short") != std::string::npos) {
+        caught = false;
+        continue;
+      }
+      EXPECT_THAT(text_of(folder_ / ".err"), HasSubstr("cut.ply: error: the file became shorter while it was read"));
       EXPECT_THAT(text_of(folder_ / ".out"), IsEmpty());
     }
     EXPECT_TRUE(caught) << command << ": it was always too quick";
