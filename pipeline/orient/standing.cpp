@@ -213,8 +213,7 @@ std::optional<Standing> standing_of(const EvenPoints& object, bool z_up) {
   if (const std::optional<Room> room = room_of(object, tilted)) return standing_of_room(*room);
   Standing standing = standing_of_solid(object, z_up, tilted);
   if (!standing.face) {
-    const std::optional<Standing> round =
-        standing_of_round(object, customary_standing(z_up), customary_standing(!z_up).up);
+    std::optional<Standing> round = standing_of_round(object, customary_standing(z_up), customary_standing(!z_up).up);
     if (round) return round;
   }
   turn_bowl_over(object, standing);
