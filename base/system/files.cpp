@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <fstream>
 #include <mutex>
 #include <string>
@@ -284,7 +285,9 @@ std::filesystem::path temporary_folder() {
   std::error_code code;
   std::filesystem::path folder = std::filesystem::temp_directory_path(code);
   if (!code) return folder;
-  throw Error(ErrorKind::failure, {}, "there is no folder for temporary files: " + code.message(),
+  const char* const named = std::getenv("TMPDIR");
+  throw Error(ErrorKind::failure, {named != nullptr ? named : "", 0, 0},
+              "there is no folder for temporary files: " + code.message(),
               "TMPDIR unset, or naming a folder that is there");
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "haptics/state/stone_gives.h"
 #include "haptics/state/vectors.h"
 
 namespace sparsha::haptics {
@@ -449,6 +450,7 @@ void HapticRenderer::tick(const DeviceSample& sample, bool fault) noexcept {
     }
   }
   state.given_share *= sample.force_share;
+  if (stone_gives(state)) state.touched_s = state.time_s;
 }
 
 }  // namespace sparsha::haptics

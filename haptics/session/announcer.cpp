@@ -73,9 +73,8 @@ std::optional<std::size_t> Announcer::part_at(const std::array<double, 3>& place
 void Announcer::watch(const State& state) {
   constexpr double kOffTheStone_s = 1.0;  // since the last touch; a hand that flies across says nothing
   const bool touching = stone_gives(state);
-  if (touching) touched_s_ = state.time_s;
-  const bool fallen =
-      !touching && (state.flags & (kFlagUnknownArea | kFlagOutside)) != 0 && state.time_s - touched_s_ < kOffTheStone_s;
+  const bool fallen = !touching && (state.flags & (kFlagUnknownArea | kFlagOutside)) != 0 &&
+                      state.time_s - state.touched_s < kOffTheStone_s;
   if (touching) watch_parts(state);
   if (touching || fallen) watch_ground(state);
 }

@@ -82,7 +82,6 @@ class Announcer {
   std::optional<std::size_t> described_;  // that more can be told about
   bool unknown_ = false;
   double unknown_left_s_ = -1e9;
-  double touched_s_ = -1e9;  // when the hand was last on the stone
   bool outside_ = false;
   double outside_left_s_ = -1e9;
 };

@@ -72,6 +72,7 @@ struct State {
   double late_ns = 0.0;               ///< wake-up after the planned instant
   double share_in_time = 1.0;         ///< ticks begun within 1 ms of plan, of all so far
   std::uint64_t contact = 0;          ///< 1 in contact
+  double touched_s = -1e9;            ///< when stone last gave the hand a force: no reader is too slow for a touch
   std::uint64_t level = 0;
   std::uint64_t surface_id = 0;                   ///< counts swaps of window, level or scene
   std::uint64_t scene = 1;                        ///< counts the scenes that the session was given

@@ -35,12 +35,13 @@ class AnyBytes(InFolder):
     def test_files_and_folders_whose_names_are_no_utf_8(self):
         np.savetxt(os.fsdecode(LATIN + b".xyz"), self.cloud.points, fmt="%.6f")
         expected = sparsha.build(os.fsdecode(LATIN + b".xyz"), config=GRID).heights()
+        guessed = sparsha.build(os.fsdecode(LATIN + b".xyz"), **GRID).heights()
         for name in self.names(b".xyz"):
             self.assertEqual(len(sparsha.read(name)), 900)
             self.assertEqual(len(sparsha.read([{"file": name}])), 900)
-            for source in (name, [name], {"scans": [{"file": name}], **GRID}):
-                settings = {} if isinstance(source, dict) else GRID
-                np.testing.assert_array_equal(sparsha.build(source, **settings).heights(), expected)
+            for source in (name, [name]):
+                np.testing.assert_array_equal(sparsha.build(source, **GRID).heights(), guessed)
+            np.testing.assert_array_equal(sparsha.build({"scans": [{"file": name}], **GRID}).heights(), expected)
         trace = sparsha.Renderer.of_heights(np.zeros((3, 3)), 1.0).trace(np.zeros((2, 3)))
         for name in self.names(b".scene"):
             sparsha.build(self.names(b".xyz")[0], config=GRID, out=name)

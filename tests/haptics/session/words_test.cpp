@@ -106,7 +106,20 @@ TEST_F(Words, AnEdgeIsSaidWithTheWayBackToTheStone) {
   }
 }
 
-TEST_F(Words, TheNinePlacesOfTheStoneHaveTheNamesThatPeopleUse) {
+TEST_F(Words, AnEdgeIsSaidOfATouchThatEndedBeforeAnybodyLookedAndNotOfAHandThatFliesAcross) {
+  State beside = at(0.11, 0.05, false);
+  beside.flags = kFlagOutside;
+  english_.watch(beside);
+  EXPECT_EQ(last(), "") << "never touched";
+  beside.touched_s = beside.time_s - 1.5;
+  english_.watch(beside);
+  EXPECT_EQ(last(), "") << "flew across";
+  beside.touched_s = beside.time_s - 0.3;
+  english_.watch(beside);
+  EXPECT_EQ(last(), "Edge of the stone, go left");
+}
+
+TEST_F(Words, TheNinePlacesOfTheTheStoneHaveTheNamesThatPeopleUse) {
   const std::vector<std::string> expected = {"Lower left",          "Bottom, in the middle", "Lower right",
                                              "Left, in the middle", "Middle of the stone",   "Right, in the middle",
                                              "Upper left",          "Top, in the middle",    "Upper right"};
