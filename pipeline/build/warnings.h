@@ -17,7 +17,7 @@ namespace sparsha::pipeline {
 
 /// What is wrong with a surface, in figures; `surface_warnings` puts the same into words.
 struct SurfaceDoubts {
-  bool noisy = false;        ///< noise is more than half the distance between points
+  bool noisy = false;        ///< noise is more than half the distance between points, and nodes have too few to lose it
   bool fine = false;         ///< the grid is more than three times finer than the points
   bool far = false;          ///< half of the points lie farther from the surface than `explained_m`
   bool not_theirs = false;   ///< half of the points lie more than a grid spacing from the surface

@@ -175,13 +175,17 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
   const SpaceStatistics& in_space = statistics.in_space;
   ProjectionPlan plan;
   // Discs, of `space`; of several sides what is seen tells which faces out. False where they would not find the
-  // surface.
+  // surface, and where it has one side once one looks farther than its noise.
   const auto use_discs = [&](const SpaceStatistics& space, bool on_lines, bool several) {
     const auto [surface, times, wider_share, scattered] =
         uneven_surface(pieces, extent, space.surface_spacing_m, on_lines, pool);
     if (!(surface.spacing_m > 0.0) || surface.sparse_share > kMostSparse || (on_lines && !surface.flat)) {
       plan.sparse_share = surface.sparse_share;
       return false;
+    }
+    if (several && !on_lines && surface.scale > 1) {
+      statistics.in_space = space_statistics(pieces, extent, surface.spacing_m, surface.scale, pool);
+      if (!has_several_sides(statistics.in_space, config, extent)) return false;
     }
     statistics.noise_m = surface.noise_m;
     statistics.point_spacing_m = surface.spacing_m;

@@ -116,8 +116,10 @@ struct Look {
   double blocks = kBlocks;                                     // about
   std::size_t neighbours = 10;                                 // of a plane
   std::size_t most = std::numeric_limits<std::size_t>::max();  // of a block, about
+  double thick = 1.5;                                          // of one layer with its noise, spacings
 };
 constexpr Look kWideLook{24.0, 40, 16};
+constexpr double kFewestBlocks = 100.0;
 
 // The area of neighbourhoods whose points are so far apart; stray points, which are farther from others than a sparse
 // surface's, count as one of those.
@@ -168,12 +170,12 @@ struct Continued {
 };
 
 // The distance across from the highest layer to the next in the middle of a block; nothing where there is one alone.
-std::optional<double> next_layer_m(std::vector<Continued>& surfaces, double spacing_m) {
-  constexpr double kOneLayer = 1.5;  // spacings: noise and bending within one layer
+// `thick_m`: what noise and bending make of one layer.
+std::optional<double> next_layer_m(std::vector<Continued>& surfaces, double thick_m) {
   std::sort(surfaces.begin(), surfaces.end(), [](const auto& a, const auto& b) { return a.height_m > b.height_m; });
   const auto across = [&](const Continued& c) { return (surfaces.front().height_m - c.height_m) * c.upright; };
-  const auto next = std::find_if(surfaces.begin(), surfaces.end(),
-                                 [&](const Continued& c) { return across(c) > kOneLayer * spacing_m; });
+  const auto next =
+      std::find_if(surfaces.begin(), surfaces.end(), [&](const Continued& c) { return across(c) > thick_m; });
   const auto above = next - surfaces.begin();
   const auto below = surfaces.end() - next;
   // Each holds a quarter: strays and the few points behind a relief make no layer.
@@ -234,7 +236,7 @@ Steepness steepness_of_block(std::span<const NodePoint> block, double side, cons
   if (surfaces.empty()) return result;
   result.blocks = 1;
   std::vector<double> spacings_m = result.spacings_m;
-  if (const std::optional<double> apart_m = next_layer_m(surfaces, median(spacings_m)))
+  if (const std::optional<double> apart_m = next_layer_m(surfaces, look.thick * median(spacings_m)))
     result.apart_m.push_back(*apart_m);
   return result;
 }
@@ -384,12 +386,36 @@ class Blocks {
   std::vector<Block> found_;
 };
 
+double area_of(const Extent& extent) {
+  return std::min(extent.covered_area_m2, std::max(extent.width_m() * extent.height_m(), 1e-30));
+}
+
+Blocks blocks_of(const OrientedPieces& pieces, const Extent& extent, const Look& look, double side, ThreadPool& pool) {
+  BlockKernel drawn;
+  drawn.x0_m = static_cast<float>(extent.xmin_m);
+  drawn.y0_m = static_cast<float>(extent.ymin_m);
+  drawn.per_m = static_cast<float>(1.0 / side);
+  const double share = std::min(1.0, look.blocks / std::max(1.0, area_of(extent) / (side * side)));
+  drawn.limit = static_cast<std::uint32_t>(share * 4294967295.0);
+  return {draw_samples(pieces, drawn, pool), side, pool};
+}
+
 }  // namespace
+
+SpaceStatistics space_statistics(const OrientedPieces& pieces, const Extent& extent, double spacing_m,
+                                 std::size_t scale, ThreadPool& pool) {
+  constexpr std::size_t kSeeds = 16;
+  constexpr double kThick = 3.0;  // times the scale: five standard deviations of the noise that asks for it
+  const auto times = static_cast<double>(scale);
+  const Look look{std::max(kFewestBlocks, kBlocks / (times * times)), Look{}.neighbours * scale * scale, kSeeds,
+                  kThick * times};
+  return blocks_of(pieces, extent, look, kBlockSpacings * times * spacing_m, pool).steepness(look).statistics();
+}
 
 CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent, ThreadPool& pool) {
   CloudStatistics result;
   const double count = static_cast<double>(std::max<std::uint64_t>(1, extent.supported));
-  const double area = std::min(extent.covered_area_m2, std::max(extent.width_m() * extent.height_m(), 1e-30));
+  const double area = area_of(extent);
   const double mean_spacing = std::sqrt(std::max(area, 1e-30) / count);
   result.point_spacing_m = mean_spacing;
   if (extent.width_m() * extent.height_m() <= 0.0) {
@@ -397,20 +423,11 @@ CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent,
     return result;
   }
 
-  const auto blocks_of = [&](const Look& look, double side) {
-    BlockKernel drawn;
-    drawn.x0_m = static_cast<float>(extent.xmin_m);
-    drawn.y0_m = static_cast<float>(extent.ymin_m);
-    drawn.per_m = static_cast<float>(1.0 / side);
-    const double share = std::min(1.0, look.blocks / std::max(1.0, area / (side * side)));
-    drawn.limit = static_cast<std::uint32_t>(share * 4294967295.0);
-    return Blocks(draw_samples(pieces, drawn, pool), side, pool);
-  };
   double side = kBlockSpacings * mean_spacing;
-  Blocks blocks = blocks_of({}, side);
+  Blocks blocks = blocks_of(pieces, extent, {}, side, pool);
   if (const double wider = blocks.side_of_others(); wider > side) {
     side = wider;
-    blocks = blocks_of({}, side);
+    blocks = blocks_of(pieces, extent, {}, side, pool);
   }
 
   Steepness near = blocks.steepness({});
@@ -418,7 +435,7 @@ CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent,
   // Noise as wide as the points are apart makes a band of a line, which stands upright.
   if (near.on_lines_share() > kSeem || result.in_space.steep_share > kUpright) {
     const double wide = std::max(kWideTimes * side, kWideSpacings * result.in_space.surface_spacing_m);
-    Steepness across = blocks_of(kWideLook, wide).steepness(kWideLook);
+    Steepness across = blocks_of(pieces, extent, kWideLook, wide, pool).steepness(kWideLook);
     if (across.on_lines_share() > kDo) result.on_lines = across.statistics();
   }
   // The gap needs the noise and the noise the gap: from no noise upwards, five rounds settle it.

@@ -34,4 +34,9 @@ struct CloudStatistics {
 /// Depends neither on threads nor on the points' order.
 [[nodiscard]] CloudStatistics sample_cloud(const OrientedPieces& pieces, const Extent& extent, ThreadPool& pool);
 
+/// The same of space, from neighbourhoods `scale` times as wide of points `spacing_m` apart: where points scatter as
+/// far as they are apart, narrow ones stand upright on a relief, too.
+[[nodiscard]] SpaceStatistics space_statistics(const OrientedPieces& pieces, const Extent& extent, double spacing_m,
+                                               std::size_t scale, ThreadPool& pool);
+
 }  // namespace sparsha::pipeline

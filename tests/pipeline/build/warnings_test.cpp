@@ -74,6 +74,12 @@ TEST(SurfaceWarnings, NameWhatIsDoubtfulAndWhatToDo) {
   Projection noisy = sound();
   noisy.noise_m = 0.00051;
   expect_one(warnings_of(noisy), "grid.noise_mm");
+  noisy.closed = false;
+  expect_one(warnings_of(noisy), "grid.noise_mm");
+  noisy.point_spacing_m = 0.0005;  // four points to a node halve the noise,
+  EXPECT_TRUE(warnings_of(noisy).empty());
+  noisy.closed = true;  // not where a second face may be as near
+  expect_one(warnings_of(noisy), "crop one away");
   Projection sparse = sound();
   sparse.point_spacing_m = 0.0031;
   expect_one(warnings_of(sparse), "3.1 times finer");
