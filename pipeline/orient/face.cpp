@@ -197,7 +197,12 @@ Eigen::Vector3d seen_side(const Eigen::Vector3d& direction, const Eigen::Vector3
 Eigen::Vector3d customary_up(const Eigen::Vector3d& look_from, bool z_up) {
   const Eigen::Vector3d first = z_up ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
   const Eigen::Vector3d second = z_up ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
-  return std::abs(look_from.normalized().dot(first)) < 0.8 ? first : second;
+  const double along_first = std::abs(look_from.normalized().dot(first));
+  const double along_second = std::abs(look_from.normalized().dot(second));
+  // A wall that is turned about the second axis and leans along it by much less stands along that one.
+  constexpr double kTurned = 0.15, kPlumb = 0.25;
+  const bool plumb = along_first > kTurned && along_second < kPlumb * along_first;
+  return along_first < 0.8 && !plumb ? first : second;
 }
 
 FoundFace find_face(const FacePoints& points, Face face, const std::optional<Eigen::Vector3d>& up, double scale) {

@@ -39,6 +39,7 @@ class Search {
         resolution_m_(hand_resolution_m(longest_m_)),
         views_(sides.views),
         open_(sides.open),
+        lies_(!sides.standing && sides.views.front().evident),
         trials_(points, resolution_m_, progress) {
     Eigen::Vector3d sides_m = box.high - box.low;
     std::sort(sides_m.begin(), sides_m.end());
@@ -57,6 +58,14 @@ class Search {
         const Trial trial = coarser(guess, times);
         if (trial.fits) return chosen(guess, trial, times);
       }
+    }
+    // Of a board with things on it, which is open below, both faces may be taken for its back: from below it hides
+    // them.
+    if (lies_ && guess.fits && guess.doubts.unfacing) {
+      constexpr double kFewer = 0.95;
+      const Trial behind = first(opposite(guess.view));
+      const bool better = behind.flawless() && behind.seen >= kFewer * guess.seen;
+      return chosen(guess, better ? behind : guess, 1);
     }
     for (const bool oblique : {false, true}) {
       for (std::size_t v = 1; v < views_.size(); ++v) {
@@ -94,6 +103,11 @@ class Search {
     if (raster_) return neighbour_m_;
     const double fine_m = std::max(longest_m_ / kMeshNodes, resolution_m_);
     return std::min(std::max(neighbour_m_, floor_m_), fine_m);
+  }
+  [[nodiscard]] static View opposite(View view) {
+    view.look_from = -view.look_from;
+    view.reason = "its other side";
+    return view;
   }
   // Far more noise than a scan of one surface has: several are taken for one. Or the back is seen for the front.
   static bool confused(const Trial& trial) {
@@ -171,6 +185,7 @@ class Search {
   double floor_m_ = 0.0;
   std::vector<View> views_;
   bool open_;
+  bool lies_;  // what is looked at is flat: it has two sides
   Trials trials_;
 };
 

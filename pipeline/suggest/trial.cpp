@@ -179,6 +179,7 @@ Trial Trials::run(const View& view, double spacing_m, const std::function<void(c
     trial.noise_m = projection.noise_m;
     trial.median_m = check.cloud_to_surface.median_m;
     trial.nodes = static_cast<double>(lattice.count());
+    trial.seen = static_cast<double>(projection.used);
     trial.coverage = trial.measured / trial.nodes;
     trial.area_m2 = trial.measured * lattice.spacing_m * lattice.spacing_m;
     trial.fits = !trial.doubts.fine && check.cloud_to_surface.samples > 0 && trial.measured >= kFewest &&

@@ -57,6 +57,7 @@ struct Trial {
   CheckResult::Against against = CheckResult::Against::points;
   double point_spacing_m = 0, noise_m = 0, median_m = 0;  ///< median: of the points' distances to the surface
   double measured = 0, coverage = 0, area_m2 = 0;         ///< measured nodes, as a share and as an area
+  double seen = 0;                                        ///< points of the surface that is seen
   bool fits = false;                                      ///< the cross-check passes, with some room
 
   /// Nothing to complain of that another view might spare.

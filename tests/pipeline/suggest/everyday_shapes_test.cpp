@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -123,6 +124,47 @@ TEST_F(Everyday, GroundThatSlopesIsSeenFromAboveAndNorthIsUp) {
   suggested(ground);
   EXPECT_EQ(towards_viewer(), Eigen::Vector3d::UnitZ()) << suggestion_.yaml;
   EXPECT_EQ(up(), Eigen::Vector3d::UnitY()) << suggestion_.yaml;
+}
+
+TEST_F(Everyday, AWallStandsHoweverItIsTurnedAboutThePlumbLine) {
+  const Points wall = relief(30'000, 5.0, 2.5, 0.02);
+  for (const double turn_deg : {12.0, 41.0, 75.0}) {
+    const Eigen::Matrix3d about_z = turned(0.0, turn_deg) * turned(91.0, 0.0);  // it leans by a degree
+    Points turned_wall = wall;
+    for (Eigen::Vector3d& p : turned_wall) p = about_z * p;
+    suggested(turned_wall);
+    EXPECT_LT(apart_deg(up(), Eigen::Vector3d::UnitZ()), 2.0) << turn_deg << suggestion_.yaml;
+    const auto about_y = Eigen::AngleAxisd(turn_deg * kTurn / 360.0, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    turned_wall = wall;
+    for (Eigen::Vector3d& p : turned_wall) p = about_y * p;
+    suggested(turned_wall);
+    EXPECT_LT(apart_deg(up(), Eigen::Vector3d::UnitY()), 1.0) << turn_deg << suggestion_.yaml;
+  }
+}
+
+TEST_F(Everyday, ABoardIsSeenFromTheSideOfWhatStandsOnIt) {
+  // A chess board of 40 cm whose lower face no scanner saw, and a cone on each fourth field.
+  Points board;
+  for (const double side : {0.0, 0.4}) {
+    for (int k = 0; k < 4'000; ++k) {
+      board.emplace_back(side, uniform(0.0, 0.4), uniform(-0.02, 0.0));
+      board.emplace_back(uniform(0.0, 0.4), side, uniform(-0.02, 0.0));
+    }
+  }
+  const auto middle = [](double at) { return 0.05 + 0.1 * std::clamp(std::floor(at / 0.1), 0.0, 3.0); };
+  for (int k = 0; k < 80'000; ++k) {
+    const double x = uniform(0.0, 0.4), y = uniform(0.0, 0.4);
+    if (std::hypot(x - middle(x), y - middle(y)) > 0.015) board.emplace_back(x, y, normal(0.0001));
+  }
+  for (int piece = 0; piece < 16; ++piece) {
+    for (int k = 0; k < 4'000; ++k) {
+      const double height = uniform(0.0, 0.055), around = uniform(0.0, kTurn), radius = 0.015 * (1.0 - height / 0.056);
+      board.emplace_back(0.05 + 0.1 * (piece % 4) + radius * std::cos(around),
+                         0.05 + 0.1 * std::floor(piece / 4) + radius * std::sin(around), height);
+    }
+  }
+  suggested(board);
+  EXPECT_EQ(towards_viewer(), Eigen::Vector3d::UnitZ()) << suggestion_.yaml;
 }
 
 TEST_F(Everyday, AFlatStoneStandsWithoutItsLawn) {
