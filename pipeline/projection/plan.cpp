@@ -232,7 +232,9 @@ ProjectionPlan plan_projection(const OrientedPieces& pieces, const PointTotals& 
   constexpr double kCrowded = 16.0;  // point spacings between nodes
   if (!only_mesh && (plan.discs || plan.lattice.spacing_m < kCrowded * statistics.point_spacing_m)) {
     const double times = plan.discs ? plan.discs->most_spacings / DiscRule::kMostSpacings : 1.0;
-    plan.scatter = find_scatter(pieces, totals, extent, times * statistics.point_spacing_m);
+    // What scatters as far as the noise reaches is the surface's own.
+    const double apart_m = std::max(statistics.point_spacing_m, statistics.noise_m);
+    plan.scatter = find_scatter(pieces, totals, extent, times * apart_m);
   }
   const double finer = statistics.point_spacing_m / plan.lattice.spacing_m;
   plan.rule = {statistics.noise_m, static_cast<int>(std::clamp(std::ceil(6.0 * finer), 3.0, 24.0))};
