@@ -47,7 +47,7 @@ SurfaceDoubts surface_doubts(const Projection& projection, const scene::Lattice&
   const bool has_points = !projection.only_mesh;
   const double apart = projection.point_spacing_m;
   SurfaceDoubts doubts;
-  // Where windows decide, a node that is so much wider than the points are apart is the mean of so many of them.
+  // On an object of one side, a node that is so much wider than the points are apart is the mean of so many of them.
   const double times = projection.closed || !(apart > 0.0) ? 1.0 : std::max(1.0, lattice.spacing_m / apart);
   doubts.noisy = has_points && projection.noise_m > kNoisy * apart * times * times;
   doubts.fine = has_points && apart > kFine * lattice.spacing_m;

@@ -39,7 +39,8 @@ struct FoundFace {
 [[nodiscard]] Eigen::Vector3d seen_side(const Eigen::Vector3d& direction, const Eigen::Vector3d& centre_m,
                                         double size_m);
 
-/// The upward direction that custom has for a view: z (z_up) or y, the other where the view is along it.
+/// The upward direction that custom has for a view: z (z_up) or y. The other one where the view is along it, and where
+/// a wall seen in that view is turned about the other axis and hardly leans along it.
 [[nodiscard]] Eigen::Vector3d customary_up(const Eigen::Vector3d& look_from, bool z_up);
 
 }  // namespace sparsha::pipeline

@@ -119,7 +119,7 @@ TEST_F(Words, AnEdgeIsSaidOfATouchThatEndedBeforeAnybodyLookedAndNotOfAHandThatF
   EXPECT_EQ(last(), "Edge of the stone, go left");
 }
 
-TEST_F(Words, TheNinePlacesOfTheTheStoneHaveTheNamesThatPeopleUse) {
+TEST_F(Words, TheNinePlacesOfTheStoneHaveTheNamesThatPeopleUse) {
   const std::vector<std::string> expected = {"Lower left",          "Bottom, in the middle", "Lower right",
                                              "Left, in the middle", "Middle of the stone",   "Right, in the middle",
                                              "Upper left",          "Top, in the middle",    "Upper right"};
