@@ -58,6 +58,8 @@ class ScratchFile {
   /// Throw Error{failure}, with the system's reason (a full disk).
   void write(std::uint64_t offset, std::span<const std::byte> bytes);
   void read(std::uint64_t offset, std::span<std::byte> bytes) const;
+  /// Gives the disk of these bytes back, where the system can; they are not read again.
+  void release(std::uint64_t offset, std::uint64_t size) noexcept;
 
  private:
   std::filesystem::path folder_;

@@ -138,6 +138,8 @@ void ScratchFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
   });
 }
 
+void ScratchFile::release(std::uint64_t, std::uint64_t) noexcept {}
+
 bool exchange_paths(const std::filesystem::path&, const std::filesystem::path&) noexcept { return false; }
 void append_line(const std::filesystem::path& file, std::string_view first, std::string_view line) {
   HANDLE handle = INVALID_HANDLE_VALUE;  // opened for nobody else: that is the lock
@@ -245,6 +247,17 @@ void ScratchFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
     if (done < 0 && errno != EINTR) fail(folder_, std::strerror(errno));
     return done > 0 ? static_cast<std::size_t>(done) : 0;
   });
+}
+
+void ScratchFile::release(std::uint64_t offset, std::uint64_t size) noexcept {
+#if defined(__linux__) && defined(FALLOC_FL_PUNCH_HOLE)
+  // What the file system cannot do stays until the file is closed.
+  static_cast<void>(::fallocate(static_cast<int>(handle_), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE,
+                                static_cast<off_t>(offset), static_cast<off_t>(size)));
+#else
+  static_cast<void>(offset);
+  static_cast<void>(size);
+#endif
 }
 
 bool exchange_paths(const std::filesystem::path& a, const std::filesystem::path& b) noexcept {

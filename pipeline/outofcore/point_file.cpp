@@ -74,14 +74,19 @@ void PointFile::read(std::size_t bucket, std::size_t piece, const std::function<
 }
 
 void PointFile::drain(std::size_t bucket, std::size_t piece, const std::function<void(const PointRecords&)>& use) {
+  std::uint64_t released = 0;
   read(bucket, piece, [&](const PointRecords& records) {
     use(records);
     // The next piece is being read: what lies behind this one, block by block in one bucket, is asked for no more.
     const std::size_t block_records = block_words_ / layout_.words();
     const Bucket& b = buckets_[bucket];
     const auto next = static_cast<std::size_t>((records.first + records.count + block_records - 1) / block_records);
-    const std::uint64_t wanted = next < b.blocks.size() ? b.blocks[next] / part_bytes_ : parts_.size();
-    for (; drained_ < wanted; ++drained_) parts_[static_cast<std::size_t>(drained_)].reset();
+    const std::uint64_t here = next < b.blocks.size() ? b.blocks[next] : parts_.size() * part_bytes_;
+    for (; drained_ < here / part_bytes_; ++drained_) parts_[static_cast<std::size_t>(drained_)].reset();
+    released = std::max(released, drained_ * part_bytes_);
+    if (here == released) return;
+    parts_[static_cast<std::size_t>(drained_)]->release(released % part_bytes_, here - released);
+    released = here;
   });
 }
 

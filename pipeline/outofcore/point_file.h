@@ -62,7 +62,8 @@ class PointFile {
   /// All records of a bucket in the order of add(), at most `piece` at once; the next piece is read meanwhile. Several
   /// threads may read.
   void read(std::size_t bucket, std::size_t piece, const std::function<void(const PointRecords&)>& use) const;
-  /// As read() of a file of one bucket, once: parts whose records have been used are gone from the disk.
+  /// As read() of a file of one bucket, once: records that have been used are gone from the disk, part by part where
+  /// the system can do no better.
   void drain(std::size_t bucket, std::size_t piece, const std::function<void(const PointRecords&)>& use);
 
  private:
