@@ -92,6 +92,24 @@ TEST(HapticRenderer, TellsWhichShareOfTheForceTheHandIsGivenAndNoStrikeWithoutFo
   EXPECT_GT(touches, 10);
 }
 
+TEST(HapticRenderer, KnowsWhenStoneLastGaveAForceAndForgetsItNeitherInTheAirNorInAFault) {
+  TimedHand hand(window_on(sparsha::test::flat_scene()));
+  hand.arm();
+  EXPECT_LT(hand.renderer.state().touched_s, 0.0) << "it has been in the air only";
+  const State& state = hand.press({0.0, 0.0, -0.002});
+  const double touched_s = state.time_s;
+  EXPECT_EQ(state.touched_s, touched_s);
+  for (int k = 0; k < 20; ++k) hand.go({0.0, 0.0, 0.003});
+  EXPECT_EQ(state.touched_s, touched_s);
+  EXPECT_GT(state.time_s, touched_s + 0.015);
+  hand.renderer.fail();
+  for (int k = 0; k < 20; ++k) {
+    hand.go({0.0, 0.0, -0.003});
+    ASSERT_EQ(state.contact, 1U);
+    ASSERT_EQ(state.touched_s, touched_s) << "in the stone, which gives no force";
+  }
+}
+
 TEST(HapticRenderer, AnswersNotANumberWithZeroForceAtOnceAndArmsAnew) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
