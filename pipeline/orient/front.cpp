@@ -125,6 +125,9 @@ std::optional<FrontView> find_front(const EvenPoints& object, const Standing& st
   front.reason = fmt::format(
       "{}: {}, and {}", standing.room ? "a room" : "a solid object", standing.reason,
       standing.open_side ? "it is open on this side"
+      : standing.from_within
+          ? "its scanners stood within: its walls are seen from there, through the nearer ones; this side is a guess, "
+            "look at it and turn it"
       : standing.room ? "all of its walls hide what is in it: this side is a guess, look at it, turn it, and crop the "
                         "walls or the ceiling before what is meant"
       : front.no_face()

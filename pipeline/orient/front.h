@@ -28,8 +28,9 @@ struct Standing {
   std::string reason;  ///< for the user: what was found
   /// Unit, at right angles to `up`: where a human face looks to.
   std::optional<Eigen::Vector3d> face{};
-  bool open = false;  ///< another way to stand is nearly as good
-  bool room = false;  ///< scanned from inside: what stands in it is hidden from all sides, or from all but one
+  bool open = false;         ///< another way to stand is nearly as good
+  bool room = false;         ///< scanned from inside: what stands in it is hidden from all sides, or from all but one
+  bool from_within = false;  ///< a room whose walls are known to face inwards: it is looked at through the nearer ones
   /// Unit, not along `up`: the one side of a room that shows what stands in it.
   std::optional<Eigen::Vector3d> open_side{};
 };

@@ -387,8 +387,8 @@ class TiledProjection::OutliersOfBuckets {
     const int row = static_cast<int>(bucket) * whole_.points_.rows_per_bucket;
     whole_.each_piece(row, row + 1, context_.pool, [&](const Piece& piece) {
       context_.progress.throw_if_cancelled();
-      (void)classify_points(piece.points, whole_.plan_.bins, projection_.grid, whole_.plan_.gap_m, context_.pool,
-                            before.data());
+      (void)classify_points(piece.points, whole_.plan_.bins, projection_.grid, whole_.plan_.gap_m,
+                            whole_.plan_.facing.get(), context_.pool, before.data());
       after = before;
       const std::uint64_t count = surfaces_.take_out(piece.points, after.data(), context_.pool);
       add_edge_on(count, surfaces_.main_normal(), whole_.scan_to_grid_, projection_);
@@ -421,9 +421,9 @@ void TiledProjection::decide_classes(const Context& context, Projection& project
     const double done = static_cast<double>(piece.bucket) / static_cast<double>(points_.file->buckets());
     context.progress.at(kFitted + (1.0 - kFitted) * done);
     const std::size_t count = piece.points.count;
-    add_classes(
-        classify_points(piece.points, plan_.bins, projection.grid, plan_.gap_m, context.pool, point_class.data()),
-        projection);
+    add_classes(classify_points(piece.points, plan_.bins, projection.grid, plan_.gap_m, plan_.facing.get(),
+                                context.pool, point_class.data()),
+                projection);
     std::vector<std::uint64_t>& bits = points_.counts_bits[piece.bucket];
     bits.resize(static_cast<std::size_t>((piece.records.first + count + 63) / 64), 0);
     for (std::size_t k = 0; k < count; ++k) {

@@ -52,8 +52,8 @@ PointClass class_at_border(const scene::DepthGrid& grid, const ClassifyKernel& k
 }  // namespace
 
 std::array<std::uint64_t, 4> classify_points(const OrientedPoints& points, const BinLattice& lattice,
-                                             const scene::DepthGrid& grid, double gap_m, ThreadPool& pool,
-                                             PointClass* point_class) {
+                                             const scene::DepthGrid& grid, double gap_m, const FacingField* facing,
+                                             ThreadPool& pool, PointClass* point_class) {
   ClassifyKernel kernel;
   kernel.height = grid.height_m.data();
   kernel.nx = lattice.nx;
@@ -66,6 +66,7 @@ std::array<std::uint64_t, 4> classify_points(const OrientedPoints& points, const
   kernel.occluded = static_cast<std::int32_t>(PointClass::occluded);
   kernel.outlier = static_cast<std::int32_t>(PointClass::outlier);
   kernel.undecided = kUndecided;
+  const bool through = facing != nullptr && facing->sees_through();
   auto* classes = reinterpret_cast<std::uint8_t*>(point_class);
   std::vector<std::array<std::uint64_t, 4>> counts((points.count + kPiece - 1) / kPiece);
   pool.for_ranges(points.count, kPiece, [&](std::size_t begin, std::size_t end) {
@@ -75,6 +76,10 @@ std::array<std::uint64_t, 4> classify_points(const OrientedPoints& points, const
     for (std::size_t k = begin; k < end; ++k) {
       if (classes[k] == kUndecided) [[unlikely]] {
         point_class[k] = class_at_border(grid, kernel, points.x[k], points.y[k], points.z[k]);
+      }
+      if (through && point_class[k] == PointClass::outlier &&
+          facing->is_wall_from_behind(points.x[k], points.y[k], points.z[k])) {
+        point_class[k] = PointClass::occluded;
       }
       if (point_class[k] != PointClass::used) ++mine[classes[k]];
     }

@@ -261,6 +261,8 @@ FacingField::FacingField(const OrientedPieces& pieces, const PointTotals& totals
   }
   near_.clear();
   near_counts_.clear();
+  part_ = {};
+  part_side_ = {};
 
   // Most discs lie where no sample near may face away, which needs no closer look.
   const auto nx = row_length;
@@ -414,12 +416,16 @@ void FacingField::overrule_by_surface(SideEvidence evidence) {
       std::remove_if(edges.begin(), edges.end(), [&](const Edge& edge) { return join(edge, whole ? 0.0 : kAny); }),
       edges.end());
   for (const Edge& edge : edges) join(edge, kSureMean);
+  part_.assign(votes_.size(), 0);
+  part_side_.assign(votes_.size(), 0.0F);
   outside_.assign(votes_.size(), 0.0F);
   closed_.assign(votes_.size(), 0);
   std::vector<std::array<double, 2>> area(votes_.size());  // of either side, across the view
   for (const std::uint32_t d : of_slot_) {
     const SurfaceParts::Place place = parts.find(d);
     area[place.root][place.opposed ? 1 : 0] += static_cast<double>(normal_z_[d]);
+    part_[d] = place.root;
+    part_side_[d] = place.opposed ? -1.0F : 1.0F;
   }
   const double least = whole ? kWholeAgreement : kAgreement;
   for (const std::uint32_t d : of_slot_) {

@@ -22,6 +22,7 @@ struct StationView {
   std::vector<Eigen::Vector3f> seen;
   std::vector<Eigen::Vector3f> towards;
   bool normals = false;  ///< `towards` are normals
+  bool proved = false;   ///< a scanner stood there, whatever is seen of the points from outside
 };
 
 /// What tells the sides of a surface. `views`: what is seen of it from 26 directions. `certain`: only surfaces that
@@ -34,7 +35,8 @@ enum class SideEvidence { views, certain, whole };
 class FacingField {
  public:
   /// Of about `samples` points, chosen by a hash. `spacing_m` is the cloud's on the surface. Depends neither on threads
-  /// nor on the points' order. What a station saw faces it, unless its points' sides are known and say otherwise.
+  /// nor on the points' order. What a station saw faces it, unless its points' sides are known and say otherwise; where
+  /// it is proved that a scanner stood there, it was within a room, a cave or a tunnel, whose inside is the surface.
   FacingField(const OrientedPieces& pieces, const PointTotals& totals, const Extent& extent, double spacing_m,
               double samples, const std::vector<StationView>& stations, SideEvidence evidence, ThreadPool& pool);
 
@@ -44,6 +46,12 @@ class FacingField {
   /// Of what the viewer sees first, the share that faces away: holes in the front. Where it is large, holes are an
   /// unlikely reason.
   [[nodiscard]] double share_turned_away() const;
+
+  /// Whether walls of a room that face away stand before those that a viewer without the nearer ones would see, by
+  /// proved stations.
+  [[nodiscard]] bool sees_through() const;
+  /// Whether a place is on such a wall, which hides nothing then.
+  [[nodiscard]] bool is_wall_from_behind(float x, float y, float z) const;
 
   /// Stations that contradict what is seen of their points from outside; they are not asked.
   [[nodiscard]] const std::vector<std::size_t>& lying_stations() const { return lying_stations_; }
@@ -71,6 +79,7 @@ class FacingField {
   void overrule_by_surface(SideEvidence evidence);
   void forget_views();
   void ask_stations(const std::vector<StationView>& stations);
+  void turn_rooms(const std::vector<float>& sides);
   [[nodiscard]] std::vector<float> seen_from(const StationView& station) const;
   void spread_sides(std::vector<float>& sides) const;
   [[nodiscard]] FacingKernel kernel() const;
@@ -96,7 +105,11 @@ class FacingField {
   std::vector<std::uint8_t> told_;                // by stations
   std::vector<std::uint8_t> closed_;              // on a surface that is seen to be closed
   std::vector<float> told_votes_, closed_votes_;  // votes_ of these alone, else 0
-  std::vector<float> outside_;  // where a surface's votes agree: 1 the normal's side, -1 the other; else 0
+  std::vector<float> outside_;        // where a surface's votes agree: 1 the normal's side, -1 the other; else 0
+  std::vector<std::uint32_t> part_;   // of each sample a number for what it is connected with,
+  std::vector<float> part_side_;      // and which of its sides is on the same side of that
+  std::vector<std::uint8_t> proved_;  // by a proved station; empty without any
+  bool sees_through_ = false;
   std::vector<std::size_t> lying_stations_;
   std::vector<float> away_top_m_;  // of each column: above it nothing near faces away
 };

@@ -15,9 +15,32 @@ double FacingField::share_turned_away() const {
   for (const std::uint32_t d : of_slot_) {
     if (seen_[d] == 0) continue;
     ++seen;
-    turned += votes_[d] < -kSure ? 1 : 0;
+    turned += votes_[d] < -kSure && (proved_.empty() || proved_[d] == 0) ? 1 : 0;
   }
   return seen == 0 ? 0.0 : static_cast<double>(turned) / static_cast<double>(seen);
+}
+
+bool FacingField::sees_through() const { return sees_through_; }
+
+bool FacingField::is_wall_from_behind(float x, float y, float z) const {
+  if (!sees_through_) return false;
+  int column = 0;
+  int row = 0;
+  if (!BinLocator(samples_.columns).locate(x, y, column, row)) return false;
+  const int nx = samples_.columns.bins_x();
+  const int ny = samples_.columns.bins_y();
+  auto nearest2 = static_cast<float>(4.0 * spacing_m_ * spacing_m_);
+  bool away = false;
+  for (int j = std::max(0, row - 1); j <= std::min(ny - 1, row + 1); ++j) {
+    const std::uint32_t* start = row_start(static_cast<std::size_t>(j));
+    for (std::uint32_t d = start[std::max(0, column - 1)]; d < start[std::min(nx - 1, column + 1) + 1]; ++d) {
+      const Eigen::Vector3f apart(x - samples_.x[d], y - samples_.y[d], z - height_[d]);
+      if (!(apart.squaredNorm() < nearest2)) continue;
+      nearest2 = apart.squaredNorm();
+      away = proved_[d] != 0 && votes_[d] < 0.0F;
+    }
+  }
+  return away;
 }
 
 FacingKernel FacingField::kernel() const {

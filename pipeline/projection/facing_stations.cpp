@@ -67,12 +67,53 @@ void FacingField::spread_sides(std::vector<float>& sides) const {
   }
 }
 
+// Connected parts of the surface of which proved stations saw one side and views from outside the other are those of a
+// room: what no station saw of them is turned with the rest.
+void FacingField::turn_rooms(const std::vector<float>& sides) {
+  struct Part {
+    std::size_t known = 0;  // samples that stations saw,
+    double told = 0.0;      // on which side, the sum,
+    double seen = 0.0;      // and what the views say of all samples
+  };
+  std::vector<Part> parts(votes_.size());
+  for (const std::uint32_t d : of_slot_) {
+    Part& part = parts[part_[d]];
+    part.seen += static_cast<double>(part_side_[d] * votes_[d]);
+    if (sides[d] == 0.0F) continue;
+    ++part.known;
+    part.told += sides[d] > 0.0F ? static_cast<double>(part_side_[d]) : -static_cast<double>(part_side_[d]);
+  }
+  proved_.assign(votes_.size(), 0);
+  for (const std::uint32_t d : of_slot_) {
+    const Part& part = parts[part_[d]];
+    const bool agreed =
+        part.known >= kFewPoints && std::abs(part.told) >= (2.0 * kTruthful - 1.0) * static_cast<double>(part.known);
+    const bool room = agreed && part.told * part.seen < 0.0;
+    proved_[d] = room || sides[d] != 0.0F ? 1 : 0;
+    if (!room) continue;
+    outside_[d] = part.told > 0.0 ? part_side_[d] : -part_side_[d];
+    votes_[d] = std::max(std::abs(votes_[d]), 2.0F * kSure) * outside_[d];
+    sees_through_ = true;
+  }
+}
+
 // A station cannot see the far side of what it scanned. But programs write stations that nobody stood at: of surfaces
-// that are closed enough for their votes to agree, a station has to be on the outer side of most. Sheets that are seen
-// on both sides say nothing.
+// that are closed enough for their votes to agree, a station has to be on the outer side of most, unless it is proved.
+// Sheets that are seen on both sides say nothing.
 void FacingField::ask_stations(const std::vector<StationView>& stations) {
   std::vector<float> sides(votes_.size(), 0.0F);
+  const auto add = [&](const std::vector<float>& mine) {
+    for (const std::uint32_t d : of_slot_) sides[d] += mine[d];
+  };
+  bool any_proved = false;
+  for (const StationView& station : stations) {
+    if (!station.proved) continue;
+    add(seen_from(station));
+    any_proved = true;
+  }
+  if (any_proved) turn_rooms(sides);
   for (std::size_t s = 0; s < stations.size(); ++s) {
+    if (stations[s].proved) continue;
     const std::vector<float> mine = seen_from(stations[s]);
     std::size_t known = 0;
     std::size_t agreed = 0;
@@ -83,9 +124,9 @@ void FacingField::ask_stations(const std::vector<StationView>& stations) {
     }
     if (known >= kFewPoints && static_cast<double>(agreed) < kTruthful * static_cast<double>(known)) {
       lying_stations_.push_back(s);
-      continue;
+    } else {
+      add(mine);
     }
-    for (const std::uint32_t d : of_slot_) sides[d] += mine[d];
   }
   spread_sides(sides);
   for (const std::uint32_t d : of_slot_) {

@@ -53,6 +53,17 @@ std::vector<std::uint8_t> fit_disc_rows(const TangentDiscs& discs, const Project
   return verdicts;
 }
 
+// Discs that face away cover nothing from now on.
+void leave_out_away(TangentDiscs& discs) {
+  const auto length = static_cast<std::size_t>(discs.columns.bins_x()) + 1;
+  for (int row = discs.window.first_row; row < discs.window.last_row; ++row) {
+    const std::uint32_t* start = discs.start.get() + static_cast<std::size_t>(row) * length;
+    for (std::uint32_t d = start[0]; d < start[length - 1]; ++d) {
+      if (discs.facing(d) < 0.0F) discs.radius2[d] = 0.0F;
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> measure_rows(const OrientedPoints& points, const std::vector<std::uint8_t>& skip,
@@ -66,10 +77,13 @@ std::vector<std::uint8_t> measure_rows(const OrientedPoints& points, const std::
     return {};
   }
   const BinLattice columns = disc_columns(plan.bins, *plan.discs);
-  TangentDiscs discs = find_discs(points, skip, columns, columns_of(plan.bins, window, columns), *plan.discs, false,
+  // A room's walls that face away hide nothing.
+  const bool through = plan.facing && plan.facing->sees_through();
+  TangentDiscs discs = find_discs(points, skip, columns, columns_of(plan.bins, window, columns), *plan.discs, through,
                                   context.pool, store);
   context.progress.throw_if_cancelled();
   if (plan.facing) plan.facing->set_facing(discs, context.pool);
+  if (through) leave_out_away(discs);
   return fit_disc_rows(discs, plan, first_row, context, rows);
 }
 

@@ -70,7 +70,7 @@ double facing_samples(const SpaceStatistics& statistics, double spacing_m, std::
 }
 
 // A pose does not promise that its scan's origin is the scanner, and estimated normals are turned over in places.
-bool is_certain(const Station& station) { return station.declared && station.normals.empty(); }
+bool is_certain(const Station& station) { return station.proved || (station.declared && station.normals.empty()); }
 
 void name_lying_stations(const FacingField& facing, const OrientedStations& oriented, ProjectionPlan& plan) {
   for (const std::size_t station : facing.lying_stations()) {
@@ -146,6 +146,7 @@ std::vector<StationView> station_views(const OrientedStations& oriented, SideEvi
     StationView& view = views.emplace_back();
     if (evidence == SideEvidence::certain && !is_certain(station)) continue;
     view.normals = !station.normals.empty();
+    view.proved = station.proved;
     const Eigen::Vector3f stood = place(station.place_m);
     for (std::size_t k = 0; k < station.seen_m.size(); ++k) {
       view.seen.push_back(place(station.seen_m[k]));

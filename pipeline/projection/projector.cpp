@@ -110,9 +110,9 @@ Projection Projector::project(const Eigen::Matrix4d& scan_to_grid, const scene::
   }
   require_a_measured_node(projection.grid);
   projection.point_class.resize(points.count);
-  add_classes(
-      classify_points(points, plan.bins, projection.grid, plan.gap_m, context.pool, projection.point_class.data()),
-      projection);
+  add_classes(classify_points(points, plan.bins, projection.grid, plan.gap_m, plan.facing.get(), context.pool,
+                              projection.point_class.data()),
+              projection);
   leave_out_edge_on(points, plan, scan_to_grid, context.pool, projection);
   const bool colour = config.colour && cloud_.rgba.size() == points.count;
   const bool intensity = config.intensity && cloud_.intensity.size() == points.count;

@@ -32,6 +32,7 @@ struct Station {
   Eigen::Vector3d place_m = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d> seen_m;   ///< chosen by a hash of the coordinates
   std::vector<Eigen::Vector3f> normals;  ///< as the file states them, one per seen_m; then place_m says nothing
+  bool proved = false;                   ///< that a scanner stood there, by the order of its points; see RasterSteps
 };
 
 /// Of a point that has none among points that have: scans differ, and blocks of one file.

@@ -20,8 +20,6 @@
 namespace sparsha::pipeline {
 namespace {
 
-constexpr std::size_t kMostStations = 256;  // of a file
-
 Eigen::Vector3d unmoved(const Eigen::Vector3d& p) { return p; }
 
 template <typename T>
@@ -61,21 +59,11 @@ void LookedScan::take_pose_for_viewpoint(const scene::ScanConfig& config) {
   if (!raw.viewpoint) return;
   const bool sized = config.units.unit == scene::LengthUnit::longest_side;
   if (!sized && is_viewpoint(*raw.viewpoint, config.pose, scene::metres_in(config.units.unit))) {
-    for (Seen& seen : from) seen.place.setZero();
+    for (SeenStation& seen : from) seen.place.setZero();
   }
   raw.viewpoint.reset();
 }
 
-void LookedScan::look_from(const PointBlock& block) {
-  if (!block.station) return;
-  if (from.empty() || from.back().place != *block.station) {
-    if (from.size() == kMostStations) return;
-    from.push_back({*block.station, PointSample(), PointSample()});
-  }
-  for (const Eigen::Vector3d& p : block.points) {
-    (is_at_scanner(p, block.station) ? from.back().at_scanner : from.back().sample).add(p);
-  }
-}
 void LookedScan::look_at_normals(const PointBlock& block) {
   for (std::size_t i = 0; i < block.normals.size(); ++i) {
     const Eigen::Vector3f& normal = block.normals[i];
@@ -85,7 +73,8 @@ void LookedScan::look_at_normals(const PointBlock& block) {
   }
 }
 void LookedScan::look(const PointBlock& block, bool bounds) {
-  look_from(block);
+  add_to_stations(block, from);
+  if (!block.station) about_origin.add(block.points, Eigen::Vector3d::Zero());
   look_at_normals(block);
   colour = colour || !block.rgba.empty();
   intensity = intensity || !block.intensity.empty();
@@ -109,7 +98,7 @@ void LookedScan::decide_empty_returns() {
   }
   const auto stay = [](const Eigen::Vector3d& p) { return p; };
   looked.add(at_scanner);
-  for (Seen& seen : from) seen.sample.merge(seen.at_scanner, stay);
+  for (SeenStation& seen : from) seen.sample.merge(seen.at_scanner, stay);
   with_normal.merge(normal_at_scanner, stay);
 }
 PointSink LookedScan::without_empty_returns(const PointSink& sink) const {
@@ -253,12 +242,7 @@ std::unique_ptr<LookedScan> LookedScan::read(const scene::ScanConfig& config, co
     drop_what_is_no_surface(scan->raw);
     const std::vector<std::span<const float>> values(scan->raw.values.begin(), scan->raw.values.end());
     scan->look({scan->raw.points, scan->raw.rgba, scan->raw.intensity, {}, scan->raw.normals, values}, bounds);
-    const std::vector<RawStation>& stations = scan->raw.stations;
-    for (std::size_t s = 0; s < stations.size(); ++s) {
-      const std::size_t end = s + 1 < stations.size() ? stations[s + 1].first : scan->raw.points.size();
-      const std::span points(scan->raw.points);
-      scan->look_from({points.subspan(stations[s].first, end - stations[s].first), {}, {}, stations[s].place, {}});
-    }
+    add_to_stations(scan->raw, scan->from);
   }
   scan->options.mesh_refusal = {};
   scan->faces = scan->raw.faces.size();
@@ -323,11 +307,13 @@ void LookedScan::write(MessageWriter& message) const {
   with_normal.write(message);
   normal_at_scanner.write(message);
   message.put(std::uint64_t{from.size()});
-  for (const Seen& seen : from) {
+  for (const SeenStation& seen : from) {
     for (const double coordinate : seen.place) message.put(coordinate);
     seen.sample.write(message);
     seen.at_scanner.write(message);
+    seen.steps.write(message);
   }
+  about_origin.write(message);
 }
 
 /// `first`: what is the same of all parts of a file is taken from this one.
@@ -373,10 +359,12 @@ void LookedScan::add(MessageReader& message, bool first) {
   for (std::uint64_t k = 0; k < stations; ++k) {
     Eigen::Vector3d place;
     for (double& coordinate : place) coordinate = message.get<double>();
-    if (k == from.size()) from.push_back({place, PointSample(), PointSample()});
+    if (k == from.size()) from.push_back({place, PointSample(), PointSample(), {}});
     from[k].sample.add(message);
     from[k].at_scanner.add(message);
+    from[k].steps.add(message);
   }
+  about_origin.add(message);
 }
 
 }  // namespace sparsha::pipeline

@@ -15,7 +15,9 @@
 #include "base/threads/progress.h"
 #include "pipeline/scan/origin.h"
 #include "pipeline/scan/placement.h"
+#include "pipeline/scan/raster_steps.h"
 #include "pipeline/scan/reader.h"
+#include "pipeline/scan/seen_stations.h"
 #include "pipeline/scan/set.h"
 #include "pipeline/scan/shared_reading.h"
 #include "scene/config/scans.h"
@@ -59,13 +61,9 @@ struct LookedScan {
   Looked looked;      ///< all but
   Looked at_scanner;  ///< what may be empty returns, until their number is known
   Placement placement;
-  struct Seen {
-    Eigen::Vector3d place;
-    PointSample sample;
-    PointSample at_scanner;  ///< as above
-  };
-  std::vector<Seen> from;   ///< each station, file units
-  PointSample with_normal;  ///< points whose normals the file states, file units
+  std::vector<SeenStation> from;  ///< each station that the file names
+  RasterSteps about_origin;       ///< of points whose station the file does not name
+  PointSample with_normal;        ///< points whose normals the file states, file units
   PointSample normal_at_scanner;
 
   /// Reads the scan, or what `share` leaves this process of it, and keeps all but its points. Throws Error{input}.
@@ -102,7 +100,6 @@ struct LookedScan {
 
  private:
   void take_pose_for_viewpoint(const scene::ScanConfig& config);
-  void look_from(const PointBlock& block);
   void look_at_normals(const PointBlock& block);
   void look(const PointBlock& block, bool bounds);
   [[nodiscard]] PointSink without_empty_returns(const PointSink& sink) const;

@@ -280,8 +280,9 @@ bool ScanSet::drops_empty_returns() const {
 
 std::vector<Station> ScanSet::stations() const {
   std::vector<Station> stations;
-  const auto add = [&](const LookedScan& scan, bool declared, const Eigen::Vector3d& place, const PointSample& sample) {
-    Station station{scan.file.string(), declared, scan.placement(place), sample.points(), {}};
+  const auto add = [&](const LookedScan& scan, bool declared, bool proved, const Eigen::Vector3d& place,
+                       const PointSample& sample) {
+    Station station{scan.file.string(), declared, scan.placement(place), sample.points(), {}, proved};
     for (Eigen::Vector3d& p : station.seen_m) p = scan.placement(p);
     if (&sample == &scan.with_normal) {
       station.normals = sample.normals();
@@ -293,13 +294,13 @@ std::vector<Station> ScanSet::stations() const {
   for (std::size_t s = 0; s < scans_.size(); ++s) {
     const LookedScan& scan = *scans_[s];
     if (scan.valid == 0) continue;
-    for (const LookedScan::Seen& seen : scan.from) {
-      if (!seen.sample.empty()) add(scan, true, seen.place, seen.sample);
+    for (const SeenStation& seen : scan.from) {
+      if (!seen.sample.empty()) add(scan, true, seen.steps.are_even(), seen.place, seen.sample);
     }
     // A pose moves a scanner's own coordinates, whose origin it is.
     if (scan.from.empty() && !configs_[s].pose.isIdentity(0.0))
-      add(scan, false, Eigen::Vector3d::Zero(), scan.looked.sample);
-    if (!scan.with_normal.empty()) add(scan, true, Eigen::Vector3d::Zero(), scan.with_normal);
+      add(scan, false, scan.about_origin.are_even(), Eigen::Vector3d::Zero(), scan.looked.sample);
+    if (!scan.with_normal.empty()) add(scan, true, false, Eigen::Vector3d::Zero(), scan.with_normal);
   }
   return stations;
 }

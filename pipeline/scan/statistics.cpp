@@ -245,10 +245,16 @@ void judge(ScanStatistics& statistics) {
   }
 }
 
+void keep_proved(std::vector<SeenStation>& stations) {
+  std::erase_if(stations, [](const SeenStation& station) { return !station.steps.are_even(); });
+}
+
 /// Of a mesh, or of few points.
 ScanStatistics statistics_of_whole(const std::filesystem::path& file, Progress& progress, const ReadOptions& options) {
   ScanStatistics statistics;
   statistics.scan = read_scan(file, &progress, options);
+  add_to_stations(statistics.scan, statistics.stations);
+  keep_proved(statistics.stations);
   const std::size_t read = statistics.scan.points.size();
   drop_what_is_no_surface(statistics.scan);
   statistics.empty_returns = read - statistics.scan.points.size();
@@ -292,6 +298,7 @@ ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& prog
   statistics.scan = points.first([&](const PointBlock& block) {
     count += block.points.size();
     facing.add(block.normals);
+    add_to_stations(block, statistics.stations);
     for (const Eigen::Vector3d& p : block.points) {
       const bool empty = is_at_scanner(p, block.station);
       at_scanner += empty ? 1 : 0;
@@ -303,6 +310,7 @@ ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& prog
     return statistics_of_whole(file, progress, options);
   }
   statistics.stated_facing = facing.mean();
+  keep_proved(statistics.stations);
   judge(statistics);
   const bool empty_returns = are_empty_returns(at_scanner, count);
   if (empty_returns) {

@@ -9,6 +9,7 @@
 #include "base/threads/progress.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/scan/runs.h"
+#include "pipeline/scan/seen_stations.h"
 #include "pipeline/scan/worth.h"
 
 namespace sparsha::pipeline {
@@ -22,6 +23,8 @@ struct ScanStatistics {
   std::uint64_t empty_returns = 0;  ///< points at 0 0 0 that were left out
   /// Mean direction of the normals that points without faces state, of length 1 where all agree; zero without any.
   Eigen::Vector3d stated_facing = Eigen::Vector3d::Zero();
+  /// Where scanners stood, file units, of which the points' order is proof.
+  std::vector<SeenStation> stations;
   double spacing = 0.0;  ///< median nearest-neighbour distance of a sample, file units; 0 when unknown
 };
 

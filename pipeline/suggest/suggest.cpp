@@ -284,10 +284,22 @@ std::string outcome(const Choice& choice) {
                      length_text(trial.median_m), 100.0 * trial.coverage, vector(trial.view.look_from));
 }
 
+// Whether one of the planes lies before all else, as the scanners saw it: a wall with a niche in it, or walls of a room
+// from within.
+bool are_before(const SeenScans& seen, const FloorsAndWalls& around) {
+  return std::ranges::any_of(around.planes, [&](const FloorsAndWalls::Plane& plane) {
+    std::size_t behind = 0;
+    for (const SeenScans::FromStation& from : seen.from_stations)
+      behind += plane.normal.dot(from.place_m) < plane.offset_m ? 1 : 0;
+    return 2 * behind > seen.from_stations.size();
+  });
+}
+
 Ways try_ways(const SeenScans& seen, TrialCloud& points, const std::optional<Eigen::Vector3d>& up, Progress& progress) {
   ThreadPool pool(0);
-  const FloorsAndWalls around =
+  FloorsAndWalls around =
       points.has_faces() ? FloorsAndWalls() : find_floors_and_walls(seen.points_m, {pool, progress});
+  if (are_before(seen, around)) around = {};
   Ways whole;
   TrialCloud object = points;
   whole.sides = sides_of(seen, up);

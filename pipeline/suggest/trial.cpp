@@ -36,6 +36,10 @@ void TrialCloud::add(const ScanStatistics& statistics, double metres) {
   spacing_m_ = std::max(spacing_m_, statistics.spacing * metres);
   if (scan.faces.empty()) {
     for (const Eigen::Vector3d& p : scan.points) loose_m_.add(p * metres);
+    for (const SeenStation& seen : statistics.stations) {
+      Station& station = stations_.emplace_back(Station{{}, true, seen.place * metres, seen.sample.points(), {}, true});
+      for (Eigen::Vector3d& p : station.seen_m) p *= metres;
+    }
     return;
   }
   const auto first = static_cast<std::uint32_t>(corners_m_.size());
@@ -77,6 +81,7 @@ Cloud TrialCloud::finish() {
     for (const Eigen::Vector3d& p : *part) sample.add(p);
   }
   cloud.origin_m = common_origin(sample);
+  cloud.stations = std::move(stations_);
   cloud.resize_points(corners_m_.size() + points_m.size());
   constexpr auto kGone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> place(corners_m_.size(), kGone);

@@ -42,6 +42,7 @@ class TrialCloud {
   std::vector<Eigen::Vector3d> corners_m_;  // points of scans with faces
   std::vector<std::array<std::uint32_t, 3>> faces_;
   PointSample loose_m_{kMostPoints};
+  std::vector<Station> stations_;
   std::uint64_t kept_ = 0;
   std::uint64_t all_ = 0;
   std::size_t scans_ = 0;

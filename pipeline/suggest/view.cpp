@@ -99,7 +99,9 @@ bool is_camera_view(const View& view, const SeenScans& seen, const InnerBox& box
 // The sides of what is looked at, found when they are first asked for.
 class Object {
  public:
-  Object(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up) : seen_(seen), up_(up) {}
+  /// `from_within`: its scanners stood in it.
+  Object(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up, bool from_within)
+      : seen_(seen), up_(up), from_within_(from_within) {}
 
   /// Share of it that is seen from that direction: of what was scanned from there alone, nearly all.
   [[nodiscard]] double seen_from(const Eigen::Vector3d& direction) {
@@ -131,8 +133,12 @@ class Object {
   [[nodiscard]] bool one_sided(const Eigen::Vector3d& direction) { return seen_from(direction) >= kOneSided; }
   [[nodiscard]] std::optional<FrontView> front() { return standing() ? find_front(even(), *standing()) : std::nullopt; }
   [[nodiscard]] const std::optional<Standing>& standing() {
-    if (!standing_)
-      standing_ = up_ ? Standing{up_->normalized(), "up is as you say"} : standing_of(even(), seen_.z_up_format);
+    if (standing_) return standing_;
+    standing_ = up_ ? Standing{up_->normalized(), "up is as you say"} : standing_of(even(), seen_.z_up_format);
+    if (standing_ && from_within_) {
+      standing_->room = standing_->from_within = true;
+      standing_->face.reset();
+    }
     return standing_;
   }
   [[nodiscard]] bool is_room() { return standing() && standing()->room; }
@@ -146,9 +152,38 @@ class Object {
 
   const SeenScans& seen_;
   std::optional<Eigen::Vector3d> up_;
+  bool from_within_;
   std::optional<EvenPoints> even_;
   std::optional<Standing> standing_;
 };
+
+// Where the scanners stood beside what they saw, unit vectors on average.
+struct Stood {
+  Eigen::Vector3d towards = Eigen::Vector3d::Zero();  // from the points to them
+  double within = 0.0;  // and how far that is the direction to the object's middle: -1 all around it, 1 in a room
+};
+
+Stood stood(const SeenScans& seen, const InnerBox& box) {
+  Stood result;
+  if (seen.from_stations.empty()) return result;
+  const Eigen::Vector3d centre = 0.5 * (box.low + box.high);
+  const double each = 1.0 / static_cast<double>(seen.from_stations.size());
+  for (const auto& [point_m, place_m] : seen.from_stations) {
+    const Eigen::Vector3d towards = (place_m - point_m).normalized();
+    result.towards += each * towards;
+    result.within += each * towards.dot((centre - point_m).normalized());
+  }
+  return result;
+}
+constexpr double kWithin = 0.5;
+
+// A side that scanners stood on, seen level where it is hardly from above or below.
+Eigen::Vector3d levelled(const Eigen::Vector3d& side, bool z_up) {
+  constexpr double kHardly = 0.6;
+  const Eigen::Vector3d up = z_up ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d unit = side.normalized();
+  return std::abs(unit.dot(up)) < kHardly ? (unit - unit.dot(up) * up).normalized() : unit;
+}
 
 // A view along `look_from` in which `wish` is up; another direction where that is along it.
 Eigen::Vector3d up_in_view(const Eigen::Vector3d& look_from, const std::optional<Eigen::Vector3d>& wish, bool z_up) {
@@ -192,11 +227,13 @@ View front_view(Object& object, const std::optional<Eigen::Vector3d>& up, bool z
 }
 
 View guess_view(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up, const InnerBox& box,
-                const Thinness& thin, Object& object, Sides& sides) {
+                const Thinness& thin, const Stood& scanners, Object& object, Sides& sides) {
   const Eigen::Vector3d centre = 0.5 * (box.low + box.high);
   const double size = (box.high - box.low).norm();
   constexpr double kAgreed = 0.3;  // mean of unit normals
   const Eigen::Vector3d facing = seen.stated / std::max(1.0, seen.records);
+  constexpr double kAside = 0.1;  // of a view of flat points, scanners
+  const Eigen::Vector3d stood_on = levelled(scanners.towards, seen.z_up_format);
   View guess;
   guess.up.setZero();
   guess.evident = true;
@@ -220,16 +257,23 @@ View guess_view(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up,
     return guess;
   } else if (thin.flatness < kFlat) {
     const bool scanner_side = origin_is_a_scanner(thin.direction, centre, size);
-    const bool told = std::abs(facing.dot(thin.direction)) > kAgreed;
-    const Eigen::Vector3d side = told ? thin.direction * (facing.dot(thin.direction) < 0.0 ? -1.0 : 1.0)
-                                      : seen_side(thin.direction, centre, size);
+    const double stood_aside = scanners.towards.dot(thin.direction);
+    const bool proved = std::abs(stood_aside) > kAside;
+    const bool told = proved || std::abs(facing.dot(thin.direction)) > kAgreed;
+    const double towards = proved ? stood_aside : facing.dot(thin.direction);
+    const Eigen::Vector3d side =
+        told ? thin.direction * (towards < 0.0 ? -1.0 : 1.0) : seen_side(thin.direction, centre, size);
     guess.look_from = snapped(side, known_within_deg(thin, is_ground(thin.direction, seen, box)));
     guess.reason =
         fmt::format("the points are flat ({:.0f} % as thick as wide) across this direction{}", 100.0 * thin.flatness,
-                    told           ? ", and their normals face this way"
+                    proved         ? ", and the scanners stood on this side"
+                    : told         ? ", and their normals face this way"
                     : scanner_side ? ", and the scan's origin lies on this side"
                                    : "");
     sides.other_side = !told && !scanner_side && !is_ground(thin.direction, seen, box);
+  } else if (scanners.within > kWithin && scanners.towards.norm() > kAgreed && object.one_sided(stood_on)) {
+    guess.look_from = snapped(stood_on);
+    guess.reason = "it is hollow on the side on which the scanners stood";
   } else if (facing.norm() > kAgreed && object.one_sided(facing)) {
     guess.look_from = snapped(facing);
     guess.reason = "the points' normals face this way";
@@ -294,6 +338,10 @@ void SeenScans::look_at(const ScanStatistics& file, double metres) {
     records += points;
   }
   spread_over_triangles(scan, metres, scan_area, triangles_m);
+  for (const SeenStation& station : file.stations) {
+    for (const Eigen::Vector3d& p : station.sample.points())
+      from_stations.push_back({p * metres, station.place * metres});
+  }
   if (is_z_up(scan.format)) z_up_format = true;
   range_images = (range_images || !any_) && is_range_image(scan, file.runs);
   rasters = (rasters || !any_) && scan.cell.has_value();
@@ -307,18 +355,21 @@ void SeenScans::crop(const scene::CropConfig& box) {
   };
   std::erase_if(points_m, outside);
   std::erase_if(triangles_m, outside);
+  std::erase_if(from_stations, [&](const FromStation& seen) { return outside(seen.point_m); });
 }
 
 void SeenScans::take_away(const FloorsAndWalls& around) {
   std::erase_if(points_m, [&](const Eigen::Vector3d& p) { return !around.keeps(p); });
+  std::erase_if(from_stations, [&](const FromStation& seen) { return !around.keeps(seen.point_m); });
 }
 
 Sides sides_of(const SeenScans& seen, const std::optional<Eigen::Vector3d>& up) {
   const InnerBox box = inner_box(seen.points_m);
   const Thinness thin = thinness_of(seen.points_m, box);
-  Object object(seen, up);
+  const Stood scanners = stood(seen, box);
+  Object object(seen, up, scanners.within > kWithin);
   Sides sides;
-  View guess = guess_view(seen, up, box, thin, object, sides);
+  View guess = guess_view(seen, up, box, thin, scanners, object, sides);
   // Up along the view is no up: what is looked at is then seen from beside.
   if (up && !sides.standing && std::abs(guess.look_from.normalized().dot(up->normalized())) > kAlong)
     guess = front_view(object, up, seen.z_up_format, sides);

@@ -24,10 +24,15 @@ struct SeenScans {
   double area = 0.0;                                 ///< sum of triangle areas
   Eigen::Vector3d stated = Eigen::Vector3d::Zero();  ///< sum of the points' stated normals, each of length 1
   double records = 0.0;                              ///< points of the scans without faces
-  bool z_up_format = false;                          ///< formats whose z is up
-  bool depth_camera_format = false;                  ///< formats that depth cameras write in their own frame
-  bool range_images = false;                         ///< all scans are images of a camera in the origin
-  bool rasters = false;                              ///< all scans are grids of heights over x and y
+  /// Of some points, with the place of the scanner that saw them, of which the points' order is proof.
+  struct FromStation {
+    Eigen::Vector3d point_m, place_m;
+  };
+  std::vector<FromStation> from_stations;
+  bool z_up_format = false;          ///< formats whose z is up
+  bool depth_camera_format = false;  ///< formats that depth cameras write in their own frame
+  bool range_images = false;         ///< all scans are images of a camera in the origin
+  bool rasters = false;              ///< all scans are grids of heights over x and y
 
   /// The scan of a file, or a sample of it.
   void look_at(const ScanStatistics& file, double metres);

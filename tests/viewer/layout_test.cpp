@@ -194,17 +194,18 @@ TEST(Layout, NoWordsBesideARawCloudOverlapOrAreCutOffAtAnySize) {
   const gl::OffscreenContext context;
   Workshop workshop(std::move(view));
   workshop.status.spacing_m = 0.001;
-  for (const auto& [width, height] : kSizes)
+  for (const auto& size : kSizes)
     for (const bool large : {false, true})
       for (const int page : {0, 1, 2, 3}) {
         Gui gui;
         CloudMode mode(workshop.orienting(), {});
         ViewSettings settings;
         settings.large_type = large;
-        const gl::Target target(width, height, false);
+        const gl::Target target(size.first, size.second, false);
         workshop.status.busy = page == 2;
         workshop.status.stage = page == 2 ? "Filtering 12 345 678 points of the second scan" : "";
         double time_s = 0.0;
+        const int width = size.first, height = size.second;
         const auto draw = [&] {
           mode.controller().frame().finished = true;
           mode.draw(gui, settings, target.framebuffer(), width, height, time_s += 0.5, true);

@@ -114,7 +114,7 @@ TEST(RegisterMany, RingsOfAChainAreNotTakenForEachOtherInSilence) {
   };
   const bool nightly = std::getenv("SPARSHA_NIGHTLY") != nullptr;
   // Seeds 14 to 41 are those of the first 128 at which wrong links are nearest to right ones.
-  for (const std::uint64_t seed : {14, 20, 21, 41}) look_at(seed, 10.0, 0.108);
+  for (const std::uint64_t seed : {14U, 20U, 21U, 41U}) look_at(seed, 10.0, 0.108);
   for (std::uint64_t seed = 1; seed <= 8 && nightly; ++seed) look_at(seed, 10.0, 0.108);
   for (std::uint64_t seed = 1; seed <= 4; ++seed) look_at(seed, 2.0, 0.03);
   EXPECT_GE(right, 2) << "of poses that are nearer to the truth than to the next ring";
