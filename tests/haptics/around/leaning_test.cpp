@@ -70,7 +70,7 @@ class Visit {
   Vector3d place_near(const Vector3d& middle, double reach, std::mt19937_64& random, const Takes& takes) const {
     for (;;) {
       const Vector3d off(unit(random), unit(random), unit(random));
-      const Vector3d place = middle + reach * on_.h * off;
+      Vector3d place = middle + reach * on_.h * off;
       if (off.norm() <= 1.0 && takes(object_.distance_m(object_.view() * place) / on_.h)) return place;
     }
   }
