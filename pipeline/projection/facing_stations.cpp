@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kTruthful = 0.75;  // share of a station's points that are known to face it
 constexpr std::size_t kFewPoints = 50;
+constexpr double kRoom = 0.2;      // of the surface, whose sides proved stations turn
 constexpr float kParallel = 0.9F;  // cosine of normals of neighbours that share a side
 constexpr float kGlancing = 0.1F;  // cosine of a ray that does not tell which side it met
 
@@ -84,6 +85,7 @@ void FacingField::turn_rooms(const std::vector<float>& sides) {
     part.told += sides[d] > 0.0F ? static_cast<double>(part_side_[d]) : -static_cast<double>(part_side_[d]);
   }
   proved_.assign(votes_.size(), 0);
+  std::size_t turned = 0;
   for (const std::uint32_t d : of_slot_) {
     const Part& part = parts[part_[d]];
     const bool agreed =
@@ -93,8 +95,10 @@ void FacingField::turn_rooms(const std::vector<float>& sides) {
     if (!room) continue;
     outside_[d] = part.told > 0.0 ? part_side_[d] : -part_side_[d];
     votes_[d] = std::max(std::abs(votes_[d]), 2.0F * kSure) * outside_[d];
-    sees_through_ = true;
+    ++turned;
   }
+  // A hollow that the views took for something's outside is no room.
+  sees_through_ = static_cast<double>(turned) > kRoom * static_cast<double>(of_slot_.size());
 }
 
 // A station cannot see the far side of what it scanned. But programs write stations that nobody stood at: of surfaces

@@ -17,7 +17,7 @@ namespace sparsha::pipeline {
 /// prove nothing, and neither do those that are even steps apart in metres, too, as a grid's are.
 class RasterSteps {
  public:
-  /// Points in the file's order, and the place, in one frame whose z is the scanner's axis or not.
+  /// Consecutive points in the file's order, and the place, in one frame; where turns count, z is the scanner's axis.
   void add(std::span<const Eigen::Vector3d> points, const Eigen::Vector3d& place);
   void add(const RasterSteps& other);
   void write(MessageWriter& message) const;

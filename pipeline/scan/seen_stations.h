@@ -19,7 +19,7 @@ struct SeenStation {
   RasterSteps steps;       ///< of its points about its place
 };
 
-/// Adds a block to the last station, or to a new one, where it names a place; of a file's stations so many at most.
+/// Adds a block to the last station, or to a new one where it names another place; to 256 at most.
 void add_to_stations(const PointBlock& block, std::vector<SeenStation>& stations);
 /// The same of a scan in memory.
 void add_to_stations(const RawScan& scan, std::vector<SeenStation>& stations);
