@@ -74,7 +74,7 @@ void LookedScan::look_at_normals(const PointBlock& block) {
 }
 void LookedScan::look(const PointBlock& block, bool bounds) {
   add_to_stations(block, from);
-  if (!block.station) about_origin.add(block.points, Eigen::Vector3d::Zero());
+  if (posed && !block.station) about_origin.add(block.points, Eigen::Vector3d::Zero());
   look_at_normals(block);
   colour = colour || !block.rgba.empty();
   intensity = intensity || !block.intensity.empty();
@@ -207,6 +207,7 @@ double LookedScan::away() const {
 void LookedScan::prepare(const scene::ScanConfig& config, const std::vector<std::string>& wanted,
                          const ScanPart& part) {
   file = config.file;
+  posed = !config.pose.isIdentity(0.0);
   options.columns = config.columns;
   options.fields = wanted;
   if (part.box) options.region = region_of(config, *part.box);

@@ -62,7 +62,8 @@ struct LookedScan {
   Looked at_scanner;  ///< what may be empty returns, until their number is known
   Placement placement;
   std::vector<SeenStation> from;  ///< each station that the file names
-  RasterSteps about_origin;       ///< of points whose station the file does not name
+  bool posed = false;             ///< by the configuration, which moves the file's origin
+  RasterSteps about_origin;       ///< of points of a posed scan whose station the file does not name
   PointSample with_normal;        ///< points whose normals the file states, file units
   PointSample normal_at_scanner;
 

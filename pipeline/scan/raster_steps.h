@@ -12,9 +12,9 @@
 namespace sparsha::pipeline {
 
 /// The angles between points that follow each other in a file, as seen from a place. A scanner turns by even steps, so
-/// that from its own place, and from there alone, most of these angles are the same, whatever the surface is like;
-/// where it turns about the vertical, they are once divided by the cosine of the elevation. Points in another order
-/// prove nothing, and neither do those that are even steps apart in metres, too, as a grid's are.
+/// that from its own place, and from there alone, most of these angles are the same, whatever the surface is like.
+/// Of points in rows about the vertical it is the angles divided by the cosine of the elevation that are the same.
+/// Points in another order prove nothing, nor do those whose distances in metres are as even, as a grid's are.
 class RasterSteps {
  public:
   /// Consecutive points in the file's order, and the place, in one frame; where turns count, z is the scanner's axis.

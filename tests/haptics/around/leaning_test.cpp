@@ -154,7 +154,7 @@ TEST(Around, CornersOfThreeFacesLetGoOfNoHandInTheStone) {
   expect_few("inner corner of a room", room, 12);
   expect_few("bottom of a pit", pit, 18);
   expect_few("foot and top of a block", block, 45);
-  expect_few("ends of an L-shaped block", ends, 6);
+  expect_few("ends of an L-shaped block", ends, 4);
 }
 
 }  // namespace
