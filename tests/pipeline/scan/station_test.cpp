@@ -7,6 +7,7 @@
 #include "base/files/files.h"
 #include "base/threads/progress.h"
 #include "pipeline/scan/set.h"
+#include "tests/support/raster_scan.h"
 #include "tests/support/test_folder.h"
 
 namespace sparsha::pipeline {
@@ -47,6 +48,25 @@ TEST(Stations, OfAPtxFileAreItsScannersEachWithItsOwnPoints) {
     for (const Eigen::Vector3d& p : stations[0].seen_m) EXPECT_NEAR(p.z(), 1.0, 1e-12);
     EXPECT_GE(stations[1].seen_m.size(), 4000U);
     for (const Eigen::Vector3d& p : stations[1].seen_m) EXPECT_NEAR(p.z(), 2.0, 1e-12);
+  }
+}
+
+TEST(Stations, AreProvedByTheOrderOfAScannersPoints) {
+  const TestFolder folder;
+  const test::RasterScan scan = test::scan_from({1.5, -0.4, 0.2}, test::free_in_cave, 0.02);
+  write_file(folder / "cave.ptx", test::ptx_of({scan}));
+  std::string text;
+  for (const Eigen::Vector3d& p : scan.seen) {
+    if (!p.isZero(0.0)) text += fmt::format("{:.4f} {:.4f} {:.4f}\n", p.x(), p.y(), p.z());
+  }
+  write_file(folder / "ordered.xyz", text);
+  write_file(folder / "grid.ptx", ptx_scan(10.0, 0.0, 1.0, 4000));
+  scene::ScanConfig posed = scan_of(folder / "ordered.xyz");
+  posed.pose.topRightCorner<3, 1>() = scan.place;
+  for (const auto keep : {ScanSet::Keep::quickest, ScanSet::Keep::disk}) {
+    EXPECT_TRUE(stations_of({scan_of(folder / "cave.ptx")}, keep).at(0).proved);
+    EXPECT_TRUE(stations_of({posed}, keep).at(0).proved);
+    EXPECT_FALSE(stations_of({scan_of(folder / "grid.ptx")}, keep).at(0).proved);
   }
 }
 
