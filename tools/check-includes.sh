@@ -3,13 +3,21 @@
 # the latest changes and a rotating tenth of the rest are compiled without them, by the build's own compiler and flags but
 # for the optimiser, within a budget of seconds. A function of Eigen that an object leaves to the linker is such a name too:
 # Eigen/Core declares determinant() and cross(), and only Eigen/LU and Eigen/Geometry define them.
-# The nightly builds compile all files so. tools/check-includes.sh BUILD SECONDS
+# The nightly builds compile all files so. Files that are named are compiled instead of those, whatever it takes.
+# tools/check-includes.sh BUILD SECONDS [FILE...]
 set -euo pipefail
 build=$1
-rooms=$(python3 tools/rooms.py --top)
-# shellcheck disable=SC2086
-list=$(tools/recent-sources.sh --users $rooms tests)
-python3 - "$build" "$2" 3<<< "$list" << 'PYTHON'
+seconds=$2
+shift 2
+if [ $# -gt 0 ]; then
+  list=$(printf '%s\n' "$@")
+  seconds=inf
+else
+  rooms=$(python3 tools/rooms.py --top)
+  # shellcheck disable=SC2086
+  list=$(tools/recent-sources.sh --users $rooms tests)
+fi
+python3 - "$build" "$seconds" 3<<< "$list" << 'PYTHON'
 import concurrent.futures, json, os, re, shlex, subprocess, sys, tempfile, time
 
 build, budget = sys.argv[1], float(sys.argv[2])

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <numeric>
 
+#include <Eigen/Geometry>
+
 namespace sparsha::pipeline {
 namespace {
 
