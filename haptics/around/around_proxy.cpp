@@ -9,6 +9,7 @@
 #include "haptics/around/holding_face.h"
 #include "haptics/around/left_sheets.h"
 #include "haptics/around/past_edge.h"
+#include "haptics/around/unseen_entry.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -80,6 +81,7 @@ class Course {
     }
     state_.position_m = flight.share >= 1.0 ? hip_m_ : Eigen::Vector3d(from + flight.share * (hip_m_ - from));
     found_.unfinished = flight.share < 1.0;
+    if (!found_.unfinished) hold_by(entered_unseen(object_, hip_m_, state_.free));
     return false;
   }
 
@@ -432,7 +434,9 @@ class Course {
   /// A hand that was let go, but lies within the object, is held by the nearest face that it lies under, on the side
   /// that it was pushed to. Deep under a corner it lies under none: the proxy waits where it was.
   void hold_within() noexcept {
-    const auto face = holding_face(object_, hip_m_, begin_sheet_, begin_, options_.shape);
+    hold_by(holding_face(object_, hip_m_, {begin_sheet_, begin_m_, begin_, found_.released}, options_.shape));
+  }
+  void hold_by(const std::optional<Crossing>& face) noexcept {
     if (!face) return;
     land(*face);
     slid_.normal = sheet().axes.to_chart(view_of(sheet(), state_.position_m).normal);
@@ -451,6 +455,7 @@ class Course {
     found_.sheet = state_.sheet;
     found_.contact = state_.sheet != kNoSheet;
     if (!found_.contact) return found_;
+    state_.free = {};
     found_.normal = sheet().turn_to_object(slid_.normal);
     found_.sticking = slid_.sticking;
     found_.mu_dynamic = slid_.mu_dynamic;

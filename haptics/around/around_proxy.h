@@ -11,6 +11,7 @@
 #include "haptics/around/left_sheets.h"
 #include "haptics/around/object_surface.h"
 #include "haptics/around/seam_fade.h"
+#include "haptics/around/unseen_entry.h"
 #include "haptics/proxy/proxy.h"
 
 namespace sparsha::haptics {
@@ -22,6 +23,7 @@ struct AroundState {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< object frame
   bool started = false;
   SeamFade seam;
+  FreeHand free;
 };
 
 /// What one update found.

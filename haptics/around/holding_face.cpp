@@ -119,6 +119,27 @@ bool is_in_hollow(const ObjectSurface& object, const Eigen::Vector3d& place_m, c
   return false;
 }
 
+/// Does a face with this normal meet another one near a place, so that it does not end there as at a hole of the scan?
+bool is_at_edge(const ObjectSurface& object, const Eigen::Vector3d& place_m, const Eigen::Vector3d& normal) noexcept {
+  const double h = object.spacing_m;
+  for (const double above : {0.0, -kAbove, kAbove}) {
+    const Eigen::Vector3d near_m = place_m + above * h * normal;
+    for (const Passing& passing : object.blocks.sheets_at(near_m)) {
+      const auto foot = foot_on(object, passing.sheet, near_m);
+      if (!foot || foot->cell < kLookCell || std::abs(foot->gap_m) > kMeetCells * h) continue;
+      const double cosine = foot->normal.dot(normal);
+      if (cosine < kSameNormal && cosine > kOpposite) return true;
+    }
+  }
+  return false;
+}
+
+/// Is a proxy behind the surface, on what continues a wall under its floor?
+bool is_within(const ObjectSurface& object, const Eigen::Vector3d& proxy_m) noexcept {
+  constexpr double kWithin = 0.8;  // of what is enclosed: a hollow corner of two faces is by 0.75
+  return enclosure_at(object, proxy_m) > kWithin;
+}
+
 /// From the hand on towards the proxy, places are asked until faces are known about one.
 std::optional<Crossing> face_over(const ObjectSurface& object, const Eigen::Vector3d& hand_m,
                                   const Eigen::Vector3d& proxy_m, const Eigen::Vector3d& normal) noexcept {
@@ -157,14 +178,26 @@ bool is_under_faces(const ObjectSurface& object, const Eigen::Vector3d& hand_m, 
 
 }  // namespace
 
-std::optional<Crossing> holding_face(const ObjectSurface& object, const Eigen::Vector3d& hand_m, std::uint32_t own,
-                                     const SheetView& proxy, CellShape shape) noexcept {
-  if (proxy.cell == kNoCell) return {};
-  const Eigen::Vector3d proxy_m = object.sheets[own].to_object(proxy.local);
-  if (!is_in_hollow(object, proxy_m, proxy.normal)) return {};
-  if (auto face = face_over(object, hand_m, proxy_m, proxy.normal)) return face;
-  if (!is_under_faces(object, hand_m, proxy_m, proxy.normal, shape)) return {};
-  return Crossing{own, 1.0, proxy.local};
+std::optional<Crossing> holding_face(const ObjectSurface& object, const Eigen::Vector3d& hand_m, const LastHold& last,
+                                     CellShape shape) noexcept {
+  if (last.view.cell == kNoCell) {
+    if (last.ended || !is_enclosed(object, hand_m)) return {};
+    return face_towards(object, hand_m, last.place_m);
+  }
+  const Eigen::Vector3d proxy_m = object.sheets[last.sheet].to_object(last.view.local);
+  const bool ended = last.ended && !is_at_edge(object, proxy_m, last.view.normal) && !is_within(object, proxy_m);
+  const bool enclosed = !ended && is_enclosed(object, hand_m);
+  if (!enclosed && !is_in_hollow(object, proxy_m, last.view.normal)) return {};
+  if (auto face = face_over(object, hand_m, proxy_m, last.view.normal)) return face;
+  if (!enclosed && !is_under_faces(object, hand_m, proxy_m, last.view.normal, shape)) return {};
+  return Crossing{last.sheet, 1.0, last.view.local};
+}
+
+std::optional<Crossing> face_towards(const ObjectSurface& object, const Eigen::Vector3d& hand_m,
+                                     const Eigen::Vector3d& outside_m) noexcept {
+  const Eigen::Vector3d way_m = outside_m - hand_m;
+  if (!(way_m.norm() > 0.0)) return {};
+  return face_over(object, hand_m, outside_m, way_m.normalized());
 }
 
 }  // namespace sparsha::haptics

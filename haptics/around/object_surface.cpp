@@ -376,6 +376,29 @@ void count_open_cells(SheetSurface& sheet) {
     for (int i = nx - 1; i >= 0; --i) lower(i, j, 1, 1);
 }
 
+/// The surface of a room as seen from within winds about the air once, the other way: -1. Else 0, also for what is open
+/// by halves and winds about neither side.
+double winding_of_air(const scene::Charts& charts, const scene::WindingNumber& winding) {
+  constexpr std::uint64_t kAsked = 256;
+  constexpr double kBefore = 2.0;  // spacings
+  constexpr double kRoom = -0.75;
+  const std::uint64_t every = charts.measured_nodes() / kAsked + 1;
+  std::vector<double> numbers;
+  std::uint64_t count = 0;
+  for (const scene::Sheet& sheet : charts.sheets)
+    for (int j = 0; j < sheet.ny; ++j)
+      for (int i = 0; i < sheet.nx; ++i) {
+        if (!sheet.measured(sheet.index(i, j)) || count++ % every != 0) continue;
+        const Eigen::Vector3d before =
+            charts.place_m(sheet, i, j) / charts.spacing_m + kBefore * scene::Charts::normal(sheet, i, j);
+        numbers.push_back(winding.at(before.cast<float>()));
+      }
+  if (numbers.empty()) return 0.0;
+  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
+  std::nth_element(numbers.begin(), middle, numbers.end());
+  return *middle < kRoom ? -1.0 : 0.0;
+}
+
 /// To the envelope, which a node's place lies `texture_m` before along its normal.
 void take_texture_off(scene::Sheet& sheet) {
   for (std::size_t node = 0; node < sheet.count(); ++node)
@@ -405,6 +428,8 @@ std::shared_ptr<ObjectSurface> object_of(const scene::Charts& charts, const Arou
   }
   object->blocks = index_of(object->sheets, charts.spacing_m);
   set_planes(*object);
+  object->winding = std::make_shared<const scene::WindingNumber>(charts);
+  object->winding_of_air = winding_of_air(charts, *object->winding);
   close_corners(*object);
   mark_looks(*object);
   for (SheetSurface& sheet : object->sheets) count_open_cells(sheet);
@@ -412,6 +437,15 @@ std::shared_ptr<ObjectSurface> object_of(const scene::Charts& charts, const Arou
 }
 
 }  // namespace
+
+double enclosure_at(const ObjectSurface& object, const Eigen::Vector3d& place_m) noexcept {
+  return object.winding->at((place_m / object.spacing_m).cast<float>()) - object.winding_of_air;
+}
+
+bool is_enclosed(const ObjectSurface& object, const Eigen::Vector3d& place_m) noexcept {
+  constexpr double kEnclosed = 0.5;
+  return enclosure_at(object, place_m) > kEnclosed;
+}
 
 Eigen::AlignedBox3d box_of(const scene::Charts& charts) {
   Eigen::AlignedBox3d box;

@@ -14,7 +14,7 @@ namespace sparsha::haptics {
 inline constexpr double kEdgeGap = 1.5;  ///< cells: so far past an edge the proxy may have come
 
 /// Is the hand in front of another face than that of the proxy's sheet, while the proxy is not, and does the path off
-/// the proxy's face, in front of the other one and to the hand meet nothing?
+/// the proxy's face, in front of the other one and to the hand meet nothing? No hand that is enclosed is.
 [[nodiscard]] bool is_hand_past_edge(const ObjectSurface& object, std::uint32_t own, const Eigen::Vector3d& proxy_m,
                                      const Eigen::Vector3d& hand_m, CellShape shape) noexcept;
 

@@ -21,8 +21,9 @@ namespace sparsha::pipeline {
 struct StationView {
   std::vector<Eigen::Vector3f> seen;
   std::vector<Eigen::Vector3f> towards;
-  bool normals = false;  ///< `towards` are normals
-  bool proved = false;   ///< a scanner stood there, whatever is seen of the points from outside
+  Eigen::Vector3f stood = Eigen::Vector3f::Zero();  ///< where the scanner stood, as oriented points are
+  bool normals = false;                             ///< `towards` are normals
+  bool proved = false;  ///< a scanner stood there, whatever is seen of the points from outside
 };
 
 /// What tells the sides of a surface. `views`: what is seen of it from 26 directions. `certain`: only surfaces that
@@ -81,6 +82,9 @@ class FacingField {
   void ask_stations(const std::vector<StationView>& stations);
   void turn_rooms(const std::vector<float>& sides);
   [[nodiscard]] std::vector<float> seen_from(const StationView& station) const;
+  [[nodiscard]] float side_of_stations(const Eigen::Vector3f& place, const Eigen::Vector3f& normal) const;
+  void ask_where_scanners_stood(const float* x, const float* y, float* records, std::size_t begin,
+                                std::size_t end) const;
   void spread_sides(std::vector<float>& sides) const;
   [[nodiscard]] FacingKernel kernel() const;
   /// The samples of a row of columns: the first, and how many.
@@ -110,6 +114,7 @@ class FacingField {
   std::vector<float> part_side_;      // and which of its sides is on the same side of that
   std::vector<std::uint8_t> proved_;  // by a proved station; empty without any
   bool sees_through_ = false;
+  std::vector<Eigen::Vector3f> stood_;  // all scanners of a room, each of them proved; else empty
   std::vector<std::size_t> lying_stations_;
   std::vector<float> away_top_m_;  // of each column: above it nothing near faces away
 };

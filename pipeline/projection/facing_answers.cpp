@@ -30,7 +30,9 @@ bool FacingField::is_wall_from_behind(float x, float y, float z) const {
   const int nx = samples_.columns.bins_x();
   const int ny = samples_.columns.bins_y();
   auto nearest2 = static_cast<float>(4.0 * spacing_m_ * spacing_m_);
-  bool away = false;
+  // What lies nearer to the viewer than every scanner was seen from behind.
+  bool away = !stood_.empty() &&
+              std::all_of(stood_.begin(), stood_.end(), [z](const Eigen::Vector3f& stood) { return stood.z() < z; });
   for (int j = std::max(0, row - 1); j <= std::min(ny - 1, row + 1); ++j) {
     const std::uint32_t* start = row_start(static_cast<std::size_t>(j));
     for (std::uint32_t d = start[std::max(0, column - 1)]; d < start[std::min(nx - 1, column + 1) + 1]; ++d) {
@@ -78,6 +80,7 @@ void FacingField::set_facing(Word word, const float* x, const float* y, float* r
   FacingKernel asked = kernel();
   if (word != Word::of_all) asked.votes = (word == Word::of_stations ? told_votes_ : closed_votes_).data();
   fastest_kernels().find_facing(asked, x, y, records, 0, count);
+  if (word != Word::of_closed_surfaces) ask_where_scanners_stood(x, y, records, 0, count);
 }
 
 void FacingField::set_facing(TangentDiscs& discs, ThreadPool& pool) const {
@@ -89,6 +92,7 @@ void FacingField::set_facing(TangentDiscs& discs, ThreadPool& pool) const {
       const std::uint32_t* start = discs.start.get() + row * (row_length + 1);
       fastest_kernels().find_facing(shared, discs.x.get(), discs.y.get(), discs.records.get(), start[0],
                                     start[row_length]);
+      ask_where_scanners_stood(discs.x.get(), discs.y.get(), discs.records.get(), start[0], start[row_length]);
     }
   });
 }

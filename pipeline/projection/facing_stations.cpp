@@ -16,6 +16,7 @@ constexpr std::size_t kFewPoints = 50;
 constexpr double kRoom = 0.2;      // of the surface, whose sides proved stations turn
 constexpr float kParallel = 0.9F;  // cosine of normals of neighbours that share a side
 constexpr float kGlancing = 0.1F;  // cosine of a ray that does not tell which side it met
+constexpr float kOnSide = 0.05F;   // cosine of the way to a scanner that stood on a side
 
 }  // namespace
 
@@ -101,6 +102,29 @@ void FacingField::turn_rooms(const std::vector<float>& sides) {
   sees_through_ = static_cast<double>(turned) > kRoom * static_cast<double>(of_slot_.size());
 }
 
+// A surface was seen by one of the scanners. Where all of them stood on one side of it, that is its side, however few
+// its points are: the ends of a tunnel, and the floor under a tripod as the other stations saw it.
+float FacingField::side_of_stations(const Eigen::Vector3f& place, const Eigen::Vector3f& normal) const {
+  std::size_t before = 0, behind = 0;
+  for (const Eigen::Vector3f& stood : stood_) {
+    const float cosine = normal.dot((stood - place).normalized());
+    before += cosine > kOnSide ? 1 : 0;
+    behind += cosine < -kOnSide ? 1 : 0;
+  }
+  return before == stood_.size() ? 1.0F : behind == stood_.size() ? -1.0F : 0.0F;
+}
+
+void FacingField::ask_where_scanners_stood(const float* x, const float* y, float* records, std::size_t begin,
+                                           std::size_t end) const {
+  if (stood_.empty()) return;
+  for (std::size_t d = begin; d < end; ++d) {
+    float* record = records + kDiscRecord * d;
+    if (record[7] != 0.0F) continue;
+    const Eigen::Vector3f towards_viewer(-record[3], -record[4], 1.0F);
+    record[7] = side_of_stations({x[d], y[d], record[2]}, towards_viewer.normalized());
+  }
+}
+
 // A station cannot see the far side of what it scanned. But programs write stations that nobody stood at: of surfaces
 // that are closed enough for their votes to agree, a station has to be on the outer side of most, unless it is proved.
 // Sheets that are seen on both sides say nothing.
@@ -110,6 +134,8 @@ void FacingField::ask_stations(const std::vector<StationView>& stations) {
     for (const std::uint32_t d : of_slot_) sides[d] += mine[d];
   };
   bool any_proved = false;
+  const bool all_proved = std::all_of(stations.begin(), stations.end(),
+                                      [](const StationView& station) { return station.proved && !station.normals; });
   for (const StationView& station : stations) {
     if (!station.proved) continue;
     add(seen_from(station));
@@ -133,7 +159,14 @@ void FacingField::ask_stations(const std::vector<StationView>& stations) {
     }
   }
   spread_sides(sides);
+  if (sees_through_ && all_proved)
+    for (const StationView& station : stations) stood_.push_back(station.stood);
   for (const std::uint32_t d : of_slot_) {
+    if (sides[d] == 0.0F && !stood_.empty() && proved_[d] == 0) {
+      sides[d] =
+          side_of_stations({samples_.x[d], samples_.y[d], height_[d]}, {normal_x_[d], normal_y_[d], normal_z_[d]});
+      proved_[d] = sides[d] != 0.0F ? 1 : 0;
+    }
     if (sides[d] == 0.0F) continue;
     votes_[d] = sides[d] > 0.0F ? 2.0F * kSure : -2.0F * kSure;
     told_[d] = 1;

@@ -147,11 +147,11 @@ std::vector<StationView> station_views(const OrientedStations& oriented, SideEvi
     if (evidence == SideEvidence::certain && !is_certain(station)) continue;
     view.normals = !station.normals.empty();
     view.proved = station.proved;
-    const Eigen::Vector3f stood = place(station.place_m);
+    view.stood = place(station.place_m);
     for (std::size_t k = 0; k < station.seen_m.size(); ++k) {
       view.seen.push_back(place(station.seen_m[k]));
       view.towards.push_back(station.normals.empty()
-                                 ? (stood - view.seen.back()).normalized()
+                                 ? (view.stood - view.seen.back()).normalized()
                                  : (of_normals * station.normals[k].cast<double>()).cast<float>().normalized());
     }
   }

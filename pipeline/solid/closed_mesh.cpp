@@ -12,7 +12,7 @@
 #include "pipeline/solid/cell_polygons.h"
 #include "pipeline/solid/cubes.h"
 #include "pipeline/solid/lattice.h"
-#include "pipeline/solid/winding.h"
+#include "scene/solid/winding.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -181,7 +181,7 @@ ClosedMesh make_closed_mesh(const scene::Charts& charts, Holes holes, const Cont
   SurfaceLattice lattice(charts);
   std::vector<std::uint64_t> cells;
   {
-    const WindingNumber winding(charts);
+    const scene::WindingNumber winding(charts);
     cells = surface_cubes(lattice, winding, context);
   }
   Polygons polygons(lattice);

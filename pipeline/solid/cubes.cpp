@@ -16,7 +16,7 @@ namespace {
 /// Cubes that the surface passes through.
 class Cubes {
  public:
-  Cubes(SurfaceLattice& lattice, const WindingNumber& winding, const Context& context)
+  Cubes(SurfaceLattice& lattice, const scene::WindingNumber& winding, const Context& context)
       : lattice_(lattice), winding_(winding), context_(context) {
     begin();
     const std::size_t most = 8 * cells_.size() + kSpare;
@@ -108,7 +108,7 @@ class Cubes {
   }
 
   SurfaceLattice& lattice_;
-  const WindingNumber& winding_;
+  const scene::WindingNumber& winding_;
   const Context& context_;
   KeyTable<Cell, Hash> cells_;
 };
@@ -120,7 +120,7 @@ LatticePoint corner_of(LatticePoint cell, int corner) {
   return cell;
 }
 
-std::vector<std::uint64_t> surface_cubes(SurfaceLattice& lattice, const WindingNumber& winding,
+std::vector<std::uint64_t> surface_cubes(SurfaceLattice& lattice, const scene::WindingNumber& winding,
                                          const Context& context) {
   return Cubes(lattice, winding, context).take();
 }

@@ -6,7 +6,7 @@
 
 #include "base/threads/context.h"
 #include "pipeline/solid/lattice.h"
-#include "pipeline/solid/winding.h"
+#include "scene/solid/winding.h"
 
 namespace sparsha::pipeline {
 
@@ -15,7 +15,7 @@ namespace sparsha::pipeline {
 
 /// SurfaceLattice::key_of() of their lowest corners, ascending; the lattice knows all their corners then. Throws
 /// Error{input} when the surface has no end, as that of one side of an object.
-[[nodiscard]] std::vector<std::uint64_t> surface_cubes(SurfaceLattice& lattice, const WindingNumber& winding,
+[[nodiscard]] std::vector<std::uint64_t> surface_cubes(SurfaceLattice& lattice, const scene::WindingNumber& winding,
                                                        const Context& context);
 
 }  // namespace sparsha::pipeline

@@ -78,7 +78,7 @@ void SurfaceLattice::judge() {
   }
 }
 
-void SurfaceLattice::decide(const std::vector<std::uint32_t>& numbers, const WindingNumber& winding,
+void SurfaceLattice::decide(const std::vector<std::uint32_t>& numbers, const scene::WindingNumber& winding,
                             const Context& context) {
   context.pool.for_ranges(numbers.size(), 256, [&](std::size_t begin, std::size_t end) {
     context.progress.throw_if_cancelled();

@@ -12,8 +12,8 @@
 #include "base/numbers/hash.h"
 #include "base/numbers/key_table.h"
 #include "base/threads/context.h"
-#include "pipeline/solid/winding.h"
 #include "scene/charts.h"
+#include "scene/solid/winding.h"
 
 namespace sparsha::pipeline {
 
@@ -39,7 +39,7 @@ class SurfaceLattice {
   [[nodiscard]] bool known(std::uint32_t number) const { return table_[number].side != Known::no; }
   [[nodiscard]] bool inside(std::uint32_t number) const { return table_[number].distance < 0.0F; }
   /// Winding numbers tell the sides of points that no node tells.
-  void decide(const std::vector<std::uint32_t>& numbers, const WindingNumber& winding, const Context& context);
+  void decide(const std::vector<std::uint32_t>& numbers, const scene::WindingNumber& winding, const Context& context);
 
   /// Where the surface passes between a point and the next along an axis, 0 to 1; whether a node says so. Requires that
   /// one is inside and one outside.

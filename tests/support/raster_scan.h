@@ -1,6 +1,7 @@
 // Scans of made-up places by a scanner that turns, column by column, as files in scan order keep them.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -56,6 +57,13 @@ inline double free_in_cave(const Eigen::Vector3d& p) {
   const double bumps = 0.12 * std::sin(1.7 * p.x()) * std::cos(2.1 * p.y() + 0.4) * std::sin(1.3 * p.z() + 1.0);
   const double wall = (1.0 + bumps - Eigen::Vector3d(p.x() / 5.0, p.y() / 3.0, p.z() / 2.2).norm()) * 2.0;
   return std::min(wall, p.z() + 1.2);
+}
+
+/// A tunnel, 24 m long, with an arched roof and walls at its ends.
+inline double free_in_tunnel(const Eigen::Vector3d& p) {
+  const double arch =
+      1.5 - std::hypot(p.y(), std::max(p.z(), 0.0)) + 0.03 * std::sin(2.0 * p.x()) * std::cos(3.0 * p.z());
+  return std::min({arch, p.z() + 1.2, 12.0 - std::abs(p.x())});
 }
 
 /// A niche of 2 m in a wall across y, with a quarter of a dome above and a floor before it.

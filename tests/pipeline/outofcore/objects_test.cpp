@@ -7,6 +7,7 @@
 #include <random>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,7 @@
 #include "base/yaml/yaml.h"
 #include "scene/config/config.h"
 #include "tests/pipeline/outofcore/two_builds.h"
+#include "tests/support/raster_scan.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -148,6 +150,19 @@ TEST_F(ObjectsOutOfCore, HolesOfSlabsStayHolesAsInMemory) {
     const std::string warnings = report(folder_ / "disk")["warnings"].dump();
     EXPECT_NE(warnings.find("the inside of the back is seen at"), std::string::npos) << warnings;
   }
+}
+
+// Which walls are looked through, connected surfaces decide, and what the scanners' places prove for them.
+TEST_F(ObjectsOutOfCore, ACaveScannedFromWithinGivesTheSameBytesAsInMemory) {
+  std::vector<test::RasterScan> scans;
+  for (const Eigen::Vector3d& place : {Eigen::Vector3d(-2.5, 0.3, 0.0), Eigen::Vector3d(2.6, 0.2, 0.0)})
+    scans.push_back(test::scan_from(place, test::free_in_cave, 0.018));
+  write_file(folder_ / "cave.ptx", test::ptx_of(scans));
+  const std::string text =
+      "scans: [{file: cave.ptx, units: m}]\ngrid: {size: 160}\nfill: {max_gap_mm: 100}\ncheck: {samples: 4000}\n";
+  expect_same_out_of_core(scene::parse_config(yaml::parse_text(text, "cave"), folder_.path()), 30'000);
+  for (const char* built : {"memory", "disk"})
+    EXPECT_GT(report(folder_ / built)["points"]["occluded"], 10'000) << built << ": the ceiling is looked through";
 }
 
 }  // namespace

@@ -18,7 +18,7 @@
 #include "pipeline/charts/charts.h"
 #include "pipeline/solid/cell_polygons.h"
 #include "pipeline/solid/closed_mesh.h"
-#include "pipeline/solid/winding.h"
+#include "scene/solid/winding.h"
 #include "tests/support/clouds.h"
 #include "tests/support/mesh_faults.h"
 #include "tests/support/whole_surface.h"
@@ -295,7 +295,7 @@ TEST(CubePolygons, OfAllCubesAreClosedApartFromEachOtherAndNotInTheFaces) {
 
 TEST(WindingNumberOfCharts, IsOneInsideAndNothingOutside) {
   const Meshed meshed = mesh_object(*make_torus(turned(0.0, 0.0)), kFew);
-  const pipeline::WindingNumber winding(meshed.charts);
+  const scene::WindingNumber winding(meshed.charts);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> anywhere(-1.6, 1.6);
   const ObjectPtr torus = make_torus(turned(0.0, 0.0));

@@ -14,9 +14,13 @@
 #include "base/files/files.h"
 #include "base/threads/progress.h"
 #include "base/threads/thread_pool.h"
+#include "base/yaml/yaml.h"
+#include "pipeline/charts/charts.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/scan/reader.h"
 #include "pipeline/suggest/suggest.h"
+#include "scene/charts.h"
+#include "scene/config/config.h"
 #include "tests/support/raster_scan.h"
 #include "tests/support/test_folder.h"
 
@@ -115,6 +119,45 @@ TEST_F(FromWithin, WithoutTheOrderOfItsPointsACaveIsSeenFromOutside) {
   EXPECT_THAT(suggestion.yaml, Not(HasSubstr("its scanners stood within")));
   const Projection projection = projected(suggestion.config, suggestion.config.orientation.scan_to_grid);
   EXPECT_FALSE(projection.lying_stations.empty()) << "a place within a solid object is not believed";
+}
+
+// Its ends have too few points for the samples that tell sides: that no scanner stood on their other side tells them.
+TEST_F(FromWithin, ATunnelIsLookedIntoUpToItsEnds) {
+  std::vector<test::RasterScan> scans;
+  for (const Vector3d& place : {Vector3d(-3.2, 0.2, 0.0), Vector3d(0.0, -0.3, 0.1), Vector3d(3.1, 0.1, 0.0)})
+    scans.push_back(test::scan_from(place, test::free_in_tunnel, 0.014));
+  const Suggestion suggestion = suggested(scans);
+  EXPECT_THAT(suggestion.yaml, HasSubstr("its scanners stood within"));
+  const Eigen::Matrix4d view = suggestion.config.orientation.scan_to_grid;
+  const Projection projection = projected(suggestion.config, view);
+  const Judged judged = judge(projection.grid, view, test::free_in_tunnel);
+  EXPECT_GT(judged.measured, 0.75);
+  EXPECT_LT(judged.off, 0.002);
+  EXPECT_LT(judged.from_behind, 0.03);
+  EXPECT_LT(projection.outlier, projection.used / 25);
+}
+
+// Under its tripod a scanner sees no floor; what the others see of it there is sparse and lies by itself.
+TEST_F(FromWithin, AsAWholeACaveHasNoFaceTurnedIntoTheStone) {
+  write_file(folder_ / "scan.ptx", test::ptx_of(cave()));
+  const scene::Config config =
+      scene::parse_config(yaml::parse_text("scans: [{file: scan.ptx, units: m}]\n", "cave"), folder_.path());
+  ThreadPool pool(2);
+  const scene::Charts charts =
+      make_charts(load_scans(config.scans, progress_), Eigen::Matrix4d::Identity(), config.grid, 0.0, {pool, progress_})
+          .charts;
+  std::size_t nodes = 0, wrong = 0;
+  for (const scene::Sheet& sheet : charts.sheets)
+    for (int j = 0; j < sheet.ny; ++j)
+      for (int i = 0; i < sheet.nx; ++i) {
+        if (!sheet.measured(sheet.index(i, j))) continue;
+        const Vector3d before =
+            charts.origin_m + charts.place_m(sheet, i, j) + 0.05 * scene::Charts::normal(sheet, i, j);
+        ++nodes;
+        wrong += test::free_in_cave(before) < 0.0 ? 1 : 0;
+      }
+  EXPECT_GT(nodes, 100'000U);
+  EXPECT_LE(wrong, nodes / 5000);
 }
 
 TEST_F(FromWithin, ANicheIsSeenFromBeforeItAndItsWallStays) {

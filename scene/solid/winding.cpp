@@ -1,10 +1,10 @@
 // A tree of boxes over the nodes, each cut across its longest side.
-#include "pipeline/solid/winding.h"
+#include "scene/solid/winding.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 namespace {
 
 constexpr float kFar = 2.5F;           // radii of a box from which on its pieces count as one
@@ -29,15 +29,15 @@ double area_of(const Eigen::Vector3d& normal, double facing, double least_facing
 
 }  // namespace
 
-WindingNumber::WindingNumber(const scene::Charts& charts) {
+WindingNumber::WindingNumber(const Charts& charts) {
   constexpr double kLeastFacing = 0.4;  // of a node in its chart
   pieces_.reserve(charts.measured_nodes());
-  for (const scene::Sheet& sheet : charts.sheets) {
-    const scene::SideAxes axes = scene::SideAxes::of(sheet.side);
+  for (const Sheet& sheet : charts.sheets) {
+    const SideAxes axes = SideAxes::of(sheet.side);
     for (int j = 0; j < sheet.ny; ++j) {
       for (int i = 0; i < sheet.nx; ++i) {
         if (!sheet.measured(sheet.index(i, j))) continue;
-        const Eigen::Vector3d normal = scene::Charts::normal(sheet, i, j);
+        const Eigen::Vector3d normal = Charts::normal(sheet, i, j);
         const double area = area_of(normal, axes.sign * normal[axes.w], kLeastFacing);
         pieces_.push_back(
             {(charts.place_m(sheet, i, j) / charts.spacing_m).cast<float>(), (area * normal).cast<float>()});
@@ -113,4 +113,4 @@ double WindingNumber::at(const Eigen::Vector3f& place) const {
   return sum * kPerSolidAngle;
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

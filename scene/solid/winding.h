@@ -12,12 +12,12 @@
 
 #include "scene/charts.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 class WindingNumber {
  public:
   /// Nodes of several charts share their part of the surface by the squares of their facing.
-  explicit WindingNumber(const scene::Charts& charts);
+  explicit WindingNumber(const Charts& charts);
 
   /// `place` in spacings from the charts' origin. Nodes nearer than a spacing count as discs of about that size.
   [[nodiscard]] double at(const Eigen::Vector3f& place) const;
@@ -42,4 +42,4 @@ class WindingNumber {
   std::vector<Box> boxes_;
 };
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -1,0 +1,99 @@
+// What all nodes together say of a place, and a free hand that comes in by where no face was met. Lengths are in mean
+// point spacings, h, which are metres here.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "haptics/around/object_surface.h"
+#include "haptics/around/unseen_entry.h"
+#include "tests/support/faceted.h"
+#include "tests/support/wandering_hand.h"
+
+namespace sparsha::test {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A block on a slab, and its foot and top corner.
+FacetedPtr block_on_slab() {
+  return make_two_boxes({{-20.0, -20.0, -8.0}, {20.0, 20.0, 0.0}}, {{-8.0, -8.0, -5.0}, {8.0, 8.0, 12.0}},
+                        turned(20.0, 30.0));
+}
+const std::vector<Vector3d> kCorners{{8.0, 8.0, 0.0}, {8.0, 8.0, 12.0}, {8.0, 0.0, 0.0}};
+
+Touched touched_block(const FacetedPtr& block) {
+  return touched("block", block, static_cast<std::size_t>(block->area_m2()));
+}
+
+TEST(Enclosure, IsRightASpacingFromEdgesAndCorners) {
+  const FacetedPtr block = block_on_slab();
+  const Touched on = touched_block(block);
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> about(-4.0, 4.0);
+  std::size_t within = 0, outside = 0, wrong = 0;
+  for (int k = 0; k < 6000; ++k) {
+    const Vector3d off(about(random), about(random), about(random));
+    const Vector3d place = block->view() * (kCorners[static_cast<std::size_t>(k) % kCorners.size()] + on.h * off);
+    const double deep = -block->distance_m(place) / on.h;
+    if (std::abs(deep) < 1.0) continue;
+    (deep > 0.0 ? within : outside) += 1;
+    wrong += is_enclosed(*on.surface, place - on.surface->origin_m) == (deep > 0.0) ? 0 : 1;
+  }
+  EXPECT_GT(within, 1000U);
+  EXPECT_GT(outside, 1000U);
+  EXPECT_LE(wrong, (within + outside) / 1000);
+}
+
+TEST(Enclosure, AHandThatWasOutsideIsGivenTheFaceThatItHasComeBehind) {
+  const FacetedPtr block = block_on_slab();
+  const Touched on = touched_block(block);
+  const auto at = [&](double x, double y, double z) {
+    return Vector3d(block->view() * Vector3d(x, y, z) - on.surface->origin_m);
+  };
+  haptics::FreeHand free;
+  EXPECT_FALSE(entered_unseen(*on.surface, at(0.0, 9.0, 6.0), free));
+  EXPECT_TRUE(free.outside);
+  const auto face = entered_unseen(*on.surface, at(0.0, 7.1, 6.0), free);  // 0.9 behind the wall at y = 8
+  ASSERT_TRUE(face.has_value());
+  const Vector3d place = on.surface->sheets[face->sheet].to_object(face->local_m);
+  EXPECT_LT((place - at(0.0, 8.0, 6.0)).norm(), 0.5);
+}
+
+TEST(Enclosure, AHandThatWasLetGoWithinOrHasComeDeepIsLeftAlone) {
+  const FacetedPtr block = block_on_slab();
+  const Touched on = touched_block(block);
+  const auto at = [&](double x, double y, double z) {
+    return Vector3d(block->view() * Vector3d(x, y, z) - on.surface->origin_m);
+  };
+  haptics::FreeHand never;
+  for (const double y : {5.0, 6.0, 7.1}) EXPECT_FALSE(entered_unseen(*on.surface, at(0.0, y, 6.0), never)) << y;
+  haptics::FreeHand deep;
+  EXPECT_FALSE(entered_unseen(*on.surface, at(0.0, 8.5, 6.0), deep));
+  EXPECT_FALSE(entered_unseen(*on.surface, at(0.0, 6.0, 6.0), deep));  // two spacings behind
+  EXPECT_FALSE(entered_unseen(*on.surface, at(0.0, 4.0, 6.0), deep));
+  EXPECT_FALSE(deep.outside);
+  EXPECT_FALSE(entered_unseen(*on.surface, at(0.0, 7.1, 6.0), deep)) << "from within it comes behind no face";
+}
+
+TEST(Enclosure, IsAskedOnceForHalfASpacing) {
+  const FacetedPtr block = block_on_slab();
+  const Touched on = touched_block(block);
+  const auto at = [&](double y) { return Vector3d(block->view() * Vector3d(0.0, y, 6.0) - on.surface->origin_m); };
+  haptics::FreeHand free;
+  EXPECT_FALSE(entered_unseen(*on.surface, at(8.2), free));
+  EXPECT_FALSE(entered_unseen(*on.surface, at(7.8), free)) << "0.4 further, it is not looked at again";
+  EXPECT_EQ((free.asked_m - at(8.2)).norm(), 0.0);
+  EXPECT_TRUE(entered_unseen(*on.surface, at(7.2), free));
+}
+
+}  // namespace
+}  // namespace sparsha::test
