@@ -49,11 +49,12 @@ struct ObjectSurface {
 [[nodiscard]] bool has_envelope(const scene::Charts& charts);
 
 /// `friction` of zero: frictionless. `kept`: the charts, where they are to live as long. Without `texture` it is the
-/// envelope, in the same sheets: a place of the proxy keeps its meaning. Throws Error{failure} when the charts have no
-/// cell, or no envelope that is asked for.
+/// envelope, in the same sheets: a place of the proxy keeps its meaning. `like`: an object of the same charts, whose
+/// winding number it shares. Throws Error{failure} when the charts have no cell, or no envelope that is asked for.
 [[nodiscard]] std::shared_ptr<const ObjectSurface> make_object_surface(const scene::Charts& charts,
                                                                        const AroundFriction& friction = {},
                                                                        std::shared_ptr<const scene::Charts> kept = {},
-                                                                       bool texture = true);
+                                                                       bool texture = true,
+                                                                       const ObjectSurface* like = nullptr);
 
 }  // namespace sparsha::haptics

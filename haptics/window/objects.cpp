@@ -44,7 +44,7 @@ Look look_of(const scene::SceneDescription& scene, const Effects& effects) {
   return look;
 }
 
-ObjectPointer make_object(const scene::SceneDescription& scene, const Look& look) {
+ObjectPointer make_object(const scene::SceneDescription& scene, const Look& look, const ObjectSurface* like = nullptr) {
   AroundFriction friction;
   const scene::Charts& charts = *scene.charts;
   std::optional<scene::FrictionLaw> law;
@@ -57,7 +57,7 @@ ObjectPointer make_object(const scene::SceneDescription& scene, const Look& look
       return {mu.mu_dynamic, mu.mu_static};
     };
   }
-  return make_object_surface(charts, friction, scene.charts, look.texture);
+  return make_object_surface(charts, friction, scene.charts, look.texture, like);
 }
 
 /// The objects that windows hold now: a nearer view of an object needs no second one.
@@ -67,11 +67,14 @@ class HeldObjects {
     Look look = look_of(scene, effects);
     const std::lock_guard lock(mutex_);
     std::erase_if(held_, [](const Held& held) { return held.object.expired(); });
+    ObjectPointer like;
     for (const Held& held : held_) {
       ObjectPointer object = held.object.lock();
-      if (object && object->charts == scene.charts && held.look == look) return object;
+      if (!object || object->charts != scene.charts) continue;
+      if (held.look == look) return object;
+      like = std::move(object);
     }
-    ObjectPointer object = make_object(scene, look);
+    ObjectPointer object = make_object(scene, look, like.get());
     held_.push_back({object, std::move(look)});
     return object;
   }

@@ -13,9 +13,18 @@
 
 #include <Eigen/Core>
 
+#include "base/files/files.h"
+#include "base/threads/progress.h"
+#include "base/threads/thread_pool.h"
+#include "base/yaml/yaml.h"
 #include "haptics/around/object_surface.h"
 #include "haptics/around/unseen_entry.h"
+#include "pipeline/charts/charts.h"
+#include "pipeline/scan/reader.h"
+#include "scene/config/config.h"
 #include "tests/support/faceted.h"
+#include "tests/support/raster_scan.h"
+#include "tests/support/test_folder.h"
 #include "tests/support/wandering_hand.h"
 
 namespace sparsha::test {
@@ -37,6 +46,7 @@ Touched touched_block(const FacetedPtr& block) {
 TEST(Enclosure, IsRightASpacingFromEdgesAndCorners) {
   const FacetedPtr block = block_on_slab();
   const Touched on = touched_block(block);
+  EXPECT_EQ(on.surface->winding_of_air, 0.0);
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> about(-4.0, 4.0);
   std::size_t within = 0, outside = 0, wrong = 0;
@@ -93,6 +103,39 @@ TEST(Enclosure, IsAskedOnceForHalfASpacing) {
   EXPECT_FALSE(entered_unseen(*on.surface, at(7.8), free)) << "0.4 further, it is not looked at again";
   EXPECT_EQ((free.asked_m - at(8.2)).norm(), 0.0);
   EXPECT_TRUE(entered_unseen(*on.surface, at(7.2), free));
+}
+
+scene::Charts charts_of(const std::vector<RasterScan>& scans) {
+  const TestFolder folder;
+  write_file(folder / "scan.ptx", ptx_of(scans));
+  const scene::Config config =
+      scene::parse_config(yaml::parse_text("scans: [{file: scan.ptx, units: m}]\n", "scan"), folder.path());
+  Progress progress;
+  ThreadPool pool(2);
+  return pipeline::make_charts(pipeline::load_scans(config.scans, progress), Eigen::Matrix4d::Identity(), config.grid,
+                               0.0, {pool, progress})
+      .charts;
+}
+
+TEST(Enclosure, OfARoomFromWithinIsWhatLiesBehindItsWalls) {
+  std::vector<RasterScan> scans;
+  for (const Vector3d& place : {Vector3d(-2.5, 0.3, 0.0), Vector3d(0.0, -0.5, 0.1), Vector3d(2.6, 0.2, 0.0)})
+    scans.push_back(scan_from(place, free_in_cave, 0.015));
+  const scene::Charts charts = charts_of(scans);
+  const auto surface = haptics::make_object_surface(charts);
+  EXPECT_EQ(surface->winding_of_air, -1.0);
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  std::size_t asked = 0, wrong = 0;
+  for (int k = 0; k < 4000; ++k) {
+    const Vector3d place = Vector3d(5.5 * unit(random), 3.5 * unit(random), 0.5 + 2.5 * unit(random));
+    const double free_m = free_in_cave(place);
+    if (std::abs(free_m) < 0.1 || free_m < -1.0) continue;
+    ++asked;
+    wrong += is_enclosed(*surface, place - surface->origin_m) == (free_m < 0.0) ? 0 : 1;
+  }
+  EXPECT_GT(asked, 1500U);
+  EXPECT_LE(wrong, asked / 200);
 }
 
 }  // namespace
