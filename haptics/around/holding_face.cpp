@@ -104,40 +104,39 @@ class Feet {
   const Foot* nearest_ = nullptr;
 };
 
-/// Is a place of a face with this normal in a hollow corner: was another face measured near it on the outer side?
-bool is_in_hollow(const ObjectSurface& object, const Eigen::Vector3d& place_m, const Eigen::Vector3d& normal) noexcept {
+/// Is another face that meets one with this normal measured near a place, or so far above or below it, where `use` says
+/// so of its foot?
+template <std::size_t N, typename Use>
+bool meets_face(const ObjectSurface& object, const Eigen::Vector3d& place_m, const Eigen::Vector3d& normal,
+                const std::array<double, N>& above, const Use& use) noexcept {
   const double h = object.spacing_m;
-  for (const double above : {0.5 * kAbove, kAbove, 2.0 * kAbove}) {
-    const Eigen::Vector3d above_m = place_m + above * h * normal;
-    for (const Passing& passing : object.blocks.sheets_at(above_m)) {
-      const auto foot = foot_on(object, passing.sheet, above_m);
+  for (const double cells : above) {
+    const Eigen::Vector3d near_m = place_m + cells * h * normal;
+    for (const Passing& passing : object.blocks.sheets_at(near_m)) {
+      const auto foot = foot_on(object, passing.sheet, near_m);
       if (!foot || foot->cell < kLookCell || std::abs(foot->gap_m) > kMeetCells * h) continue;
       const double cosine = foot->normal.dot(normal);
-      if (cosine < kSameNormal && cosine > kOpposite && (foot->place_m - place_m).dot(normal) > 0.5 * h) return true;
+      if (cosine < kSameNormal && cosine > kOpposite && use(*foot)) return true;
     }
   }
   return false;
 }
 
+/// Is a place of a face with this normal in a hollow corner: was another face measured near it on the outer side?
+bool is_in_hollow(const ObjectSurface& object, const Eigen::Vector3d& place_m, const Eigen::Vector3d& normal) noexcept {
+  return meets_face(object, place_m, normal, std::array{0.5 * kAbove, kAbove, 2.0 * kAbove},
+                    [&](const Foot& foot) { return (foot.place_m - place_m).dot(normal) > 0.5 * object.spacing_m; });
+}
+
 /// Does a face with this normal meet another one near a place, so that it does not end there as at a hole of the scan?
 bool is_at_edge(const ObjectSurface& object, const Eigen::Vector3d& place_m, const Eigen::Vector3d& normal) noexcept {
-  const double h = object.spacing_m;
-  for (const double above : {0.0, -kAbove, kAbove}) {
-    const Eigen::Vector3d near_m = place_m + above * h * normal;
-    for (const Passing& passing : object.blocks.sheets_at(near_m)) {
-      const auto foot = foot_on(object, passing.sheet, near_m);
-      if (!foot || foot->cell < kLookCell || std::abs(foot->gap_m) > kMeetCells * h) continue;
-      const double cosine = foot->normal.dot(normal);
-      if (cosine < kSameNormal && cosine > kOpposite) return true;
-    }
-  }
-  return false;
+  return meets_face(object, place_m, normal, std::array{0.0, -kAbove, kAbove}, [](const Foot&) { return true; });
 }
 
 /// Is a proxy behind the surface, on what continues a wall under its floor?
 bool is_within(const ObjectSurface& object, const Eigen::Vector3d& proxy_m) noexcept {
   constexpr double kWithin = 0.8;  // of what is enclosed: a hollow corner of two faces is by 0.75
-  return enclosure_at(object, proxy_m) > kWithin;
+  return object.enclosure->at(proxy_m) > kWithin;
 }
 
 /// From the hand on towards the proxy, places are asked until faces are known about one.
@@ -181,12 +180,12 @@ bool is_under_faces(const ObjectSurface& object, const Eigen::Vector3d& hand_m, 
 std::optional<Crossing> holding_face(const ObjectSurface& object, const Eigen::Vector3d& hand_m, const LastHold& last,
                                      CellShape shape) noexcept {
   if (last.view.cell == kNoCell) {
-    if (last.ended || !is_enclosed(object, hand_m)) return {};
+    if (last.ended || !object.enclosure->holds(hand_m)) return {};
     return face_towards(object, hand_m, last.place_m);
   }
   const Eigen::Vector3d proxy_m = object.sheets[last.sheet].to_object(last.view.local);
   const bool ended = last.ended && !is_at_edge(object, proxy_m, last.view.normal) && !is_within(object, proxy_m);
-  const bool enclosed = !ended && is_enclosed(object, hand_m);
+  const bool enclosed = !ended && object.enclosure->holds(hand_m);
   if (!enclosed && !is_in_hollow(object, proxy_m, last.view.normal)) return {};
   if (auto face = face_over(object, hand_m, proxy_m, last.view.normal)) return face;
   if (!enclosed && !is_under_faces(object, hand_m, proxy_m, last.view.normal, shape)) return {};

@@ -378,42 +378,19 @@ void count_open_cells(SheetSurface& sheet) {
     for (int i = nx - 1; i >= 0; --i) lower(i, j, 1, 1);
 }
 
-/// The surface of a room as seen from within winds about the air once, the other way: -1. Else 0, also for what is open
-/// by halves and winds about neither side.
-double winding_of_air(const scene::Charts& charts, const scene::WindingNumber& winding) {
-  constexpr std::uint64_t kAsked = 256;
-  constexpr double kBefore = 2.0;  // spacings
-  constexpr double kRoom = -0.75;
-  const std::uint64_t every = charts.measured_nodes() / kAsked + 1;
-  std::vector<double> numbers;
-  std::uint64_t count = 0;
-  for (const scene::Sheet& sheet : charts.sheets)
-    for (int j = 0; j < sheet.ny; ++j)
-      for (int i = 0; i < sheet.nx; ++i) {
-        if (!sheet.measured(sheet.index(i, j)) || count++ % every != 0) continue;
-        const Eigen::Vector3d before =
-            charts.place_m(sheet, i, j) / charts.spacing_m + kBefore * scene::Charts::normal(sheet, i, j);
-        numbers.push_back(winding.at(before.cast<float>()));
-      }
-  if (numbers.empty()) return 0.0;
-  const auto middle = numbers.begin() + static_cast<std::ptrdiff_t>(numbers.size() / 2);
-  std::nth_element(numbers.begin(), middle, numbers.end());
-  return *middle < kRoom ? -1.0 : 0.0;
-}
-
-/// The winding number of charts, made on a thread of its own: it takes half as long as all the rest of an object, which
-/// needs it nowhere.
-class WindingMade {
+/// An enclosure, made on a thread of its own: it takes half as long as all the rest of an object, which does not use
+/// it.
+class EnclosureMade {
  public:
-  explicit WindingMade(const scene::Charts& charts) : thread_([this, &charts] { make(charts); }) {}
-  ~WindingMade() {
+  explicit EnclosureMade(const scene::Charts& charts) : thread_([this, &charts] { make(charts); }) {}
+  ~EnclosureMade() {
     if (thread_.joinable()) thread_.join();
   }
-  WindingMade(const WindingMade&) = delete;
-  WindingMade& operator=(const WindingMade&) = delete;
+  EnclosureMade(const EnclosureMade&) = delete;
+  EnclosureMade& operator=(const EnclosureMade&) = delete;
 
   /// Once. Throws what making it threw.
-  [[nodiscard]] std::shared_ptr<const scene::WindingNumber> get() {
+  [[nodiscard]] std::shared_ptr<const Enclosure> get() {
     thread_.join();
     if (failed_) std::rethrow_exception(failed_);
     return made_;
@@ -422,13 +399,13 @@ class WindingMade {
  private:
   void make(const scene::Charts& charts) noexcept {
     try {
-      made_ = std::make_shared<const scene::WindingNumber>(charts);
+      made_ = std::make_shared<const Enclosure>(charts);
     } catch (...) {
       failed_ = std::current_exception();
     }
   }
 
-  std::shared_ptr<const scene::WindingNumber> made_;
+  std::shared_ptr<const Enclosure> made_;
   std::exception_ptr failed_;
   std::thread thread_;  // last: it uses the others
 };
@@ -448,8 +425,8 @@ std::shared_ptr<ObjectSurface> object_of(const scene::Charts& charts, const Arou
     throw Error(ErrorKind::failure, {}, "charts whose sheets have no envelope", "sheets built with a block texture");
   if (charts.sheets.empty() || !(charts.spacing_m > 0.0))
     throw Error(ErrorKind::failure, {}, "charts without a sheet", "at least one sheet and a positive spacing");
-  std::optional<WindingMade> winding;
-  if (like == nullptr) winding.emplace(charts);
+  std::optional<EnclosureMade> enclosure;
+  if (like == nullptr) enclosure.emplace(charts);
   auto object = std::make_shared<ObjectSurface>();
   object->spacing_m = charts.spacing_m;
   object->origin_m = charts.origin_m;
@@ -468,21 +445,11 @@ std::shared_ptr<ObjectSurface> object_of(const scene::Charts& charts, const Arou
   close_corners(*object);
   mark_looks(*object);
   for (SheetSurface& sheet : object->sheets) count_open_cells(sheet);
-  object->winding = like != nullptr ? like->winding : winding->get();
-  object->winding_of_air = like != nullptr ? like->winding_of_air : winding_of_air(charts, *object->winding);
+  object->enclosure = like != nullptr ? like->enclosure : enclosure->get();
   return object;
 }
 
 }  // namespace
-
-double enclosure_at(const ObjectSurface& object, const Eigen::Vector3d& place_m) noexcept {
-  return object.winding->at((place_m / object.spacing_m).cast<float>()) - object.winding_of_air;
-}
-
-bool is_enclosed(const ObjectSurface& object, const Eigen::Vector3d& place_m) noexcept {
-  constexpr double kEnclosed = 0.5;
-  return enclosure_at(object, place_m) > kEnclosed;
-}
 
 Eigen::AlignedBox3d box_of(const scene::Charts& charts) {
   Eigen::AlignedBox3d box;

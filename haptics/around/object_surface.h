@@ -13,9 +13,9 @@
 #include <Eigen/Geometry>
 
 #include "haptics/around/block_index.h"
+#include "haptics/around/enclosure.h"
 #include "haptics/around/sheet_surface.h"
 #include "scene/charts.h"
-#include "scene/solid/winding.h"
 
 namespace sparsha::haptics {
 
@@ -30,17 +30,8 @@ struct ObjectSurface {
   Eigen::AlignedBox3d box_m;                           ///< of the measured nodes, object frame
   std::shared_ptr<const scene::Charts> charts;         ///< `kept` of its maker
   BlockIndex blocks;
-  std::shared_ptr<const scene::WindingNumber> winding;  ///< of the measured nodes
-  double winding_of_air = 0.0;                          ///< before the surface: 0, and -1 of a room from within
+  std::shared_ptr<const Enclosure> enclosure;
 };
-
-/// How far a place is within the stone by all measured nodes together: their winding number, 0 in the air, 1 within, a
-/// half on the surface. Some microseconds: for places where the faces about them do not tell. For the servo thread.
-[[nodiscard]] double enclosure_at(const ObjectSurface& object, const Eigen::Vector3d& place_m) noexcept;
-
-/// More than by half: right beyond a spacing from the surface, edges and corners included, but in wedges as thin; so is
-/// what lies behind a hole of the scan.
-[[nodiscard]] bool is_enclosed(const ObjectSurface& object, const Eigen::Vector3d& place_m) noexcept;
 
 /// Of the measured nodes, relative to the charts' origin; empty without any.
 [[nodiscard]] Eigen::AlignedBox3d box_of(const scene::Charts& charts);
@@ -50,7 +41,7 @@ struct ObjectSurface {
 
 /// `friction` of zero: frictionless. `kept`: the charts, where they are to live as long. Without `texture` it is the
 /// envelope, in the same sheets: a place of the proxy keeps its meaning. `like`: an object of the same charts, whose
-/// winding number it shares. Throws Error{failure} when the charts have no cell, or no envelope that is asked for.
+/// enclosure it shares. Throws Error{failure} when the charts have no cell, or no envelope that is asked for.
 [[nodiscard]] std::shared_ptr<const ObjectSurface> make_object_surface(const scene::Charts& charts,
                                                                        const AroundFriction& friction = {},
                                                                        std::shared_ptr<const scene::Charts> kept = {},

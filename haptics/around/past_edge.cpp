@@ -48,7 +48,7 @@ bool is_hand_past_edge(const ObjectSurface& object, std::uint32_t own, const Eig
       const double behind_m = kRoundEdge * h - (off_m - foot_m).dot(view.normal);
       const Eigen::Vector3d before_m = off_m + std::max(0.0, behind_m) * view.normal;
       if (is_free(object, off_m, before_m, false, shape) && is_free(object, before_m, hand_m, false, shape))
-        return !is_enclosed(object, hand_m);
+        return !object.enclosure->holds(hand_m);
     }
   }
   return false;

@@ -26,7 +26,7 @@ std::optional<Crossing> entered_unseen(const ObjectSurface& object, const Eigen:
   if (faces.empty()) return {};
   free.asked = true;
   free.asked_m = hand_m;
-  if (!is_behind_any(faces, hand_m) || !is_enclosed(object, hand_m)) {
+  if (!is_behind_any(faces, hand_m) || !object.enclosure->holds(hand_m)) {
     free.outside = true;
     free.outside_m = hand_m;
     return {};

@@ -2,13 +2,10 @@
 // point spacings, h, which are metres here.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <random>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -43,10 +40,15 @@ Touched touched_block(const FacetedPtr& block) {
   return touched("block", block, static_cast<std::size_t>(block->area_m2()));
 }
 
+/// A place of the block's own frame in the object frame.
+Vector3d object_place(const Faceted& block, const Touched& on, const Vector3d& place) {
+  return block.view() * place - on.surface->origin_m;
+}
+
 TEST(Enclosure, IsRightASpacingFromEdgesAndCorners) {
   const FacetedPtr block = block_on_slab();
   const Touched on = touched_block(block);
-  EXPECT_EQ(on.surface->winding_of_air, 0.0);
+  EXPECT_FALSE(on.surface->enclosure->is_room());
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> about(-4.0, 4.0);
   std::size_t within = 0, outside = 0, wrong = 0;
@@ -56,7 +58,7 @@ TEST(Enclosure, IsRightASpacingFromEdgesAndCorners) {
     const double deep = -block->distance_m(place) / on.h;
     if (std::abs(deep) < 1.0) continue;
     (deep > 0.0 ? within : outside) += 1;
-    wrong += is_enclosed(*on.surface, place - on.surface->origin_m) == (deep > 0.0) ? 0 : 1;
+    wrong += on.surface->enclosure->holds(place - on.surface->origin_m) == (deep > 0.0) ? 0 : 1;
   }
   EXPECT_GT(within, 1000U);
   EXPECT_GT(outside, 1000U);
@@ -66,9 +68,7 @@ TEST(Enclosure, IsRightASpacingFromEdgesAndCorners) {
 TEST(Enclosure, AHandThatWasOutsideIsGivenTheFaceThatItHasComeBehind) {
   const FacetedPtr block = block_on_slab();
   const Touched on = touched_block(block);
-  const auto at = [&](double x, double y, double z) {
-    return Vector3d(block->view() * Vector3d(x, y, z) - on.surface->origin_m);
-  };
+  const auto at = [&](double x, double y, double z) { return object_place(*block, on, {x, y, z}); };
   haptics::FreeHand free;
   EXPECT_FALSE(entered_unseen(*on.surface, at(0.0, 9.0, 6.0), free));
   EXPECT_TRUE(free.outside);
@@ -81,9 +81,7 @@ TEST(Enclosure, AHandThatWasOutsideIsGivenTheFaceThatItHasComeBehind) {
 TEST(Enclosure, AHandThatWasLetGoWithinOrHasComeDeepIsLeftAlone) {
   const FacetedPtr block = block_on_slab();
   const Touched on = touched_block(block);
-  const auto at = [&](double x, double y, double z) {
-    return Vector3d(block->view() * Vector3d(x, y, z) - on.surface->origin_m);
-  };
+  const auto at = [&](double x, double y, double z) { return object_place(*block, on, {x, y, z}); };
   haptics::FreeHand never;
   for (const double y : {5.0, 6.0, 7.1}) EXPECT_FALSE(entered_unseen(*on.surface, at(0.0, y, 6.0), never)) << y;
   haptics::FreeHand deep;
@@ -123,7 +121,7 @@ TEST(Enclosure, OfARoomFromWithinIsWhatLiesBehindItsWalls) {
     scans.push_back(scan_from(place, free_in_cave, 0.015));
   const scene::Charts charts = charts_of(scans);
   const auto surface = haptics::make_object_surface(charts);
-  EXPECT_EQ(surface->winding_of_air, -1.0);
+  EXPECT_TRUE(surface->enclosure->is_room());
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   std::size_t asked = 0, wrong = 0;
@@ -132,7 +130,7 @@ TEST(Enclosure, OfARoomFromWithinIsWhatLiesBehindItsWalls) {
     const double free_m = free_in_cave(place);
     if (std::abs(free_m) < 0.1 || free_m < -1.0) continue;
     ++asked;
-    wrong += is_enclosed(*surface, place - surface->origin_m) == (free_m < 0.0) ? 0 : 1;
+    wrong += surface->enclosure->holds(place - surface->origin_m) == (free_m < 0.0) ? 0 : 1;
   }
   EXPECT_GT(asked, 1500U);
   EXPECT_LE(wrong, asked / 200);
