@@ -1,6 +1,6 @@
 // Arrays are shared mappings of unlinked files: dropping their pages loses nothing, since the system keeps what was
 // written and brings it back when it is touched. A thread watches the resident set, and so does every worker, since
-// the thread waits for a core where there are many.
+// the thread waits for a core where there are many; where it waits long, pages are dropped earlier.
 #include "base/system/disk_arrays.h"
 
 #include "base/error.h"
@@ -136,21 +136,35 @@ class PageWatch {
     const std::lock_guard lock(mutex_);
     limit_bytes_ = limit_bytes;
     kept_bytes_ = 0;
+    late_.store(0, std::memory_order_relaxed);
+  }
+
+  // How late the thread that looks is given a core. It forgets by a half in a tenth of a second.
+  void woke_late(std::chrono::steady_clock::duration late) noexcept {
+    constexpr std::chrono::steady_clock::rep kForgets = 128;
+    const std::chrono::steady_clock::rep before = late_.load(std::memory_order_relaxed);
+    late_.store(std::max(late.count(), before - before / kForgets), std::memory_order_relaxed);
   }
 
   // As soon as there are enough of them again to be worth it: at most a share of the room that the rest of the program
   // leaves of the limit, since as many come again between two looks.
-  void look() {
+  // `waits`: for somebody who looks already, and may have lost its core while it does.
+  void look(bool waits) {
     constexpr std::uint64_t kWorthIt = std::uint64_t{16} << 20U, kLeastWorthIt = std::uint64_t{1} << 20U;
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock.owns_lock()) return;  // somebody looks
+    std::unique_lock lock(mutex_, std::defer_lock);
+    if (waits)
+      lock.lock();
+    else if (!lock.try_lock())
+      return;  // somebody looks
     const Resident now = statm_.now();
     kept_bytes_ = std::min(kept_bytes_, now.of_files);
     const std::uint64_t others = now.all - std::min(now.all, now.of_files - kept_bytes_);
     const std::uint64_t room = (limit_bytes_ - std::min(limit_bytes_, others)) / 2;
     const std::uint64_t worth_it = std::clamp(room, kLeastWorthIt, kWorthIt);
-    // What is written between two looks comes on top.
-    if (now.all > limit_bytes_ - limit_bytes_ / 5 && now.of_files >= kept_bytes_ + worth_it) {
+    // What is written between two looks comes on top: more of it where cores are busy.
+    constexpr std::chrono::milliseconds kLate(2);
+    const bool busy = std::chrono::steady_clock::duration(late_.load(std::memory_order_relaxed)) > kLate;
+    if (now.all > limit_bytes_ - limit_bytes_ / (busy ? 2 : 5) && now.of_files >= kept_bytes_ + worth_it) {
       drop_pages();
       kept_bytes_ = statm_.now().of_files;
     }
@@ -167,7 +181,7 @@ class PageWatch {
   Statm statm_;
   std::uint64_t limit_bytes_ = 0;
   std::uint64_t kept_bytes_ = 0;  // resident bytes of files when pages were dropped last
-  std::atomic<std::chrono::steady_clock::rep> looked_{0};
+  std::atomic<std::chrono::steady_clock::rep> looked_{0}, late_{0};
 };
 PageWatch& watch_of_pages() {
   static auto* const kWatch = new PageWatch;  // never destroyed: a worker may still look
@@ -177,8 +191,10 @@ PageWatch& watch_of_pages() {
 }  // namespace
 
 void keep_to_memory() noexcept {
-  constexpr std::chrono::microseconds kOften(500);
-  if (in_force.load(std::memory_order_relaxed) && watch_of_pages().since_look() >= kOften) watch_of_pages().look();
+  constexpr std::chrono::microseconds kOften(500), kTooLong(2000);
+  if (!in_force.load(std::memory_order_relaxed)) return;
+  const auto since = watch_of_pages().since_look();
+  if (since >= kOften) watch_of_pages().look(since >= kTooLong);
 }
 
 void allow_disk_arrays() noexcept { allowed.store(true); }
@@ -229,7 +245,11 @@ struct DiskArrays::Implementation {
   void watch() {
     constexpr std::chrono::milliseconds kPause(1);
     std::unique_lock lock(mutex);
-    while (!ending.wait_for(lock, kPause, [&] { return ends; })) watch_of_pages().look();
+    for (auto asleep = std::chrono::steady_clock::now(); !ending.wait_for(lock, kPause, [&] { return ends; });
+         asleep = std::chrono::steady_clock::now()) {
+      watch_of_pages().woke_late(std::chrono::steady_clock::now() - asleep - kPause);
+      watch_of_pages().look(false);
+    }
   }
 };
 
