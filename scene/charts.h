@@ -63,7 +63,9 @@ struct Sheet {
   std::vector<float> slope_u, slope_v;  ///< dw/du and dw/dv of the measured surface; NaN where not measured
   std::vector<std::uint8_t> mask;
   std::vector<float> texture_m;  ///< of the surface before its envelope, along the normal; NaN as above; empty: none
-  std::vector<float> curvature_per_m;  ///< of the texture; NaN also where nothing tells it; empty: none
+  std::vector<float> curvature_per_m;      ///< of the texture; NaN also where nothing tells it; empty: none
+  std::vector<std::uint32_t> colour_rgba;  ///< 0xAABBGGRR; 0 where no point near has one; empty: none
+  std::vector<float> intensity;            ///< NaN where no point near has one; empty: none
 
   [[nodiscard]] std::size_t count() const { return static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny); }
   [[nodiscard]] std::size_t index(int i, int j) const {

@@ -24,6 +24,7 @@
 #include "pipeline/build/sides.h"
 #include "pipeline/build/thinned_scans.h"
 #include "pipeline/build/unrolled.h"
+#include "pipeline/build/whole_object.h"
 #include "pipeline/filter/filter.h"
 #include "pipeline/filter/streamed.h"
 #include "pipeline/orient/face.h"
@@ -38,15 +39,6 @@
 
 namespace sparsha::pipeline {
 namespace {
-
-// Points on faces, of a mesh that is seen from all sides: how far they lie apart, in spacings of its grid; and the
-// seeds of two samples that have no point in common.
-constexpr double kOfSpacing = 0.8;
-constexpr std::uint64_t kChartSeed = 1, kCheckSeed = 2;
-
-double scale_of(const Eigen::Matrix4d& scan_to_grid) {
-  return std::cbrt(std::abs(scan_to_grid.topLeftCorner<3, 3>().determinant()));
-}
 
 // Of a tile that is kept: a build that is ended loses no more than it takes to measure as many.
 constexpr std::uint64_t kTilePoints = 4'000'000;
@@ -151,7 +143,7 @@ class Builder {
   /// Of a whole object, beside those of its front view.
   [[nodiscard]] std::uint64_t chart_bytes(const Cloud& cloud, const scene::Lattice& lattice) const {
     if (!around() || limit_.bytes == 0) return 0;
-    const double per_place_m = kOfSpacing * lattice.spacing_m / scale();
+    const double per_place_m = kPlacesOfSpacing * lattice.spacing_m / scale();
     const bool mesh = !cloud.faces.empty();
     const double places = mesh ? area_of_faces(cloud) / (per_place_m * per_place_m) : static_cast<double>(cloud.size());
     return needs_.charts(places, sample_of_kept(cloud).points(), mesh, scan_to_grid_, lattice);
@@ -223,15 +215,15 @@ class Builder {
     // The noise is that of the points as measured; a mesh has none.
     double& noise_m = result_.projection.noise_m;
     if (!result_.projection.only_mesh) noise_m = std::hypot(noise_m, moved_rms_m);
-    if (around()) make_charts_of(*cloud);
+    if (around()) {
+      progress_.begin("charts");
+      result_.charts = charts_of(*cloud, scan_to_grid_, grid_, result_.projection.grid.lattice.spacing_m, config_,
+                                 {pool_, progress_});
+    }
     if (!checks()) return;
     result_.check_charts = [&config = config_, &pool = pool_, &progress = progress_, scan_to_grid = scan_to_grid_,
                             cloud](const scene::Charts& charts) {
-      restore_measured(*cloud);
-      if (cloud->faces.empty()) return check_charts(*cloud, scan_to_grid, charts, *config.check, {pool, progress});
-      const double spacing_m = kOfSpacing * charts.spacing_m / scale_of(scan_to_grid);
-      return check_charts(sample_faces(*cloud, spacing_m, kCheckSeed), scan_to_grid, charts, *config.check,
-                          {pool, progress});
+      return check_charts_of(*cloud, scan_to_grid, charts, config, {pool, progress});
     };
     auto classes = std::make_shared<Projection>();
     classes->point_class = std::move(result_.projection.point_class);
@@ -258,22 +250,6 @@ class Builder {
     scan_to_grid_ = Eigen::Matrix4d::Identity();
     result_.unroll = unrolled_->unroll;
     result_.orientation = unrolled_->reason;
-  }
-
-  void make_charts_of(const Cloud& cloud) {
-    progress_.begin("charts");
-    if (grid_.bounds_m) {
-      progress_.warn("grid.bounds_m bounds the front view alone; the filter 'crop' bounds the whole object");
-    }
-    if (cloud.faces.empty()) {
-      result_.charts = make_charts(cloud, scan_to_grid_, grid_, config_.haptics.resolution_m, {pool_, progress_});
-      return;
-    }
-    scene::GridConfig grid = grid_;
-    if (grid.size == 0) grid.spacing_m = result_.projection.grid.lattice.spacing_m;
-    const double spacing_m = result_.projection.grid.lattice.spacing_m / scale();
-    result_.charts = make_charts(sample_faces(cloud, kOfSpacing * spacing_m, kChartSeed), scan_to_grid_, grid,
-                                 config_.haptics.resolution_m, {pool_, progress_});
   }
 
   void add_steps(FilterSteps&& steps) {

@@ -12,8 +12,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
-#include "pipeline/charts/surface_nodes.h"
 #include "scene/depth_grid.h"
+#include "scene/solid/surface_nodes.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -36,7 +36,7 @@ struct Asked {
   std::uint32_t node = 0;
 };
 
-std::vector<Asked> all_nodes(const scene::Charts& charts, const SurfaceNodes& nodes) {
+std::vector<Asked> all_nodes(const scene::Charts& charts, const scene::SurfaceNodes& nodes) {
   std::vector<Asked> asked;
   asked.reserve(charts.measured_nodes());
   for (std::size_t s = 0; s < charts.sheets.size(); ++s) {
@@ -44,7 +44,7 @@ std::vector<Asked> all_nodes(const scene::Charts& charts, const SurfaceNodes& no
     for (int j = 0; j < sheet.ny; ++j)
       for (int i = 0; i < sheet.nx; ++i)
         if (sheet.measured(sheet.index(i, j)))
-          asked.push_back({SurfaceNodes::key_of(nodes.cube_of(charts.place_m(sheet, i, j))),
+          asked.push_back({scene::SurfaceNodes::key_of(nodes.cube_of(charts.place_m(sheet, i, j))),
                            static_cast<std::uint32_t>(s), static_cast<std::uint32_t>(sheet.index(i, j))});
   }
   std::sort(asked.begin(), asked.end(), [](const Asked& a, const Asked& b) {
@@ -59,13 +59,13 @@ int stride_for(double reach_m, double spacing_m) {
 
 /// Result(place, normal, nodes about it) of every measured node into `layer` of its sheet, NaN elsewhere.
 template <class Result>
-void for_nodes(scene::Charts& charts, const SurfaceNodes& nodes, std::vector<float> scene::Sheet::*layer,
+void for_nodes(scene::Charts& charts, const scene::SurfaceNodes& nodes, std::vector<float> scene::Sheet::*layer,
                const Context& context, const Result& result) {
   for (scene::Sheet& sheet : charts.sheets) (sheet.*layer).assign(sheet.count(), scene::kUnknownHeight);
   const std::vector<Asked> asked = all_nodes(charts, nodes);
   constexpr std::size_t kPiece = 4096;
   context.pool.for_ranges(asked.size(), kPiece, [&](std::size_t begin, std::size_t end) {
-    std::vector<SurfaceNode> about;
+    std::vector<scene::SurfaceNode> about;
     for (std::size_t k = begin; k < end; ++k) {
       scene::Sheet& sheet = charts.sheets[asked[k].sheet];
       const auto nx = static_cast<std::uint32_t>(sheet.nx);
@@ -86,9 +86,9 @@ class Envelope {
         range_(-0.5 / (config.sigma_range_m * config.sigma_range_m)) {}
 
   [[nodiscard]] double operator()(const Eigen::Vector3d& place_m, const Eigen::Vector3d& normal,
-                                  const std::vector<SurfaceNode>& about) const {
+                                  const std::vector<scene::SurfaceNode>& about) const {
     double sum = 0.0, weights = 0.0;
-    for (const SurfaceNode& node : about) {
+    for (const scene::SurfaceNode& node : about) {
       const Eigen::Vector3d way_m = node.place_m - place_m;
       const double way_2 = way_m.squaredNorm();
       if (way_2 > reach_2_ || node.normal.dot(normal) < kSameSide) continue;
@@ -112,12 +112,12 @@ class Bend {
       : scale_m_(scale_m), spacing_m_(spacing_m), noise_2_(noise_k * noise_k) {}
 
   [[nodiscard]] double operator()(const Eigen::Vector3d& place_m, const Eigen::Vector3d& normal,
-                                  const std::vector<SurfaceNode>& about) const {
+                                  const std::vector<scene::SurfaceNode>& about) const {
     const Eigen::Vector3d x_axis = normal.unitOrthogonal(), y_axis = normal.cross(x_axis);
     const double reach_2 = kFitReach * kFitReach * scale_m_ * scale_m_;
     Eigen::Matrix<double, 6, 6> squares = Eigen::Matrix<double, 6, 6>::Zero();
     Eigen::Matrix<double, 6, 1> values = Eigen::Matrix<double, 6, 1>::Zero();
-    for (const SurfaceNode& node : about) {
+    for (const scene::SurfaceNode& node : about) {
       const Eigen::Vector3d way_m = node.place_m - place_m;
       const double way_2 = way_m.squaredNorm();
       if (way_2 > reach_2 || node.normal.dot(normal) < kSameSide) continue;
@@ -163,15 +163,15 @@ class Bend {
 
 void add_texture(scene::Charts& charts, const scene::TextureConfig& config, const Context& context) {
   const double reach_m = std::max(kReach * config.sigma_space_m, charts.spacing_m);
-  const SurfaceNodes nodes(charts, reach_m, stride_for(reach_m, charts.spacing_m),
-                           [](const scene::Sheet&, std::size_t) { return 0.0; });
+  const scene::SurfaceNodes nodes(charts, reach_m, stride_for(reach_m, charts.spacing_m),
+                                  [](const scene::Sheet&, std::size_t) { return 0.0; });
   for_nodes(charts, nodes, &scene::Sheet::texture_m, context, Envelope(config));
 }
 
 void add_curvature(scene::Charts& charts, double scale_m, double noise_m, const Context& context) {
   const double reach_m = std::max(kFitReach * scale_m, charts.spacing_m);
   const double noise_k = kNoiseGain * noise_m / (scale_m * scale_m);
-  const SurfaceNodes nodes(
+  const scene::SurfaceNodes nodes(
       charts, reach_m, stride_for(reach_m, charts.spacing_m),
       [](const scene::Sheet& sheet, std::size_t node) { return static_cast<double>(sheet.texture_m[node]); });
   for_nodes(charts, nodes, &scene::Sheet::curvature_per_m, context, Bend(scale_m, charts.spacing_m, noise_k));

@@ -1,12 +1,11 @@
 // GLB of the front view: one mesh, its colours at the vertices, and what is felt as pictures.
-#include <cmath>
-
 #include "base/error.h"
 #include "pipeline/export/formats.h"
 #include "pipeline/export/glb_file.h"
 #include "pipeline/export/glb_maps.h"
 #include "pipeline/export/node_rows.h"
 #include "pipeline/export/output.hpp"
+#include "pipeline/export/vertex_colour.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -19,13 +18,6 @@ Eigen::Vector3d middle_of(const scene::Scene& scene) {
                              0.5 * (lattice.y_m(0) + lattice.y_m(lattice.ny - 1)),
                              0.5 * (description.height_min_m + description.height_max_m));
   return NodeRows(scene, Nodes::of_cells).scan_m(grid).array().round();
-}
-
-/// glTF's colours of vertices are light, not sRGB (IEC 61966-2-1).
-std::uint16_t light_of(std::uint32_t byte) {
-  const double stored = byte / 255.0;
-  const double light = stored <= 0.04045 ? stored / 12.92 : std::pow((stored + 0.055) / 1.055, 2.4);
-  return static_cast<std::uint16_t>(std::lround(65535.0 * light));
 }
 
 void put_places_in_pictures(const scene::Scene& scene, Output& output) {
@@ -65,11 +57,8 @@ void export_glb(const scene::Scene& scene, const std::filesystem::path& file, co
     for (int axis = 0; axis < 3; ++axis) output.put(q[axis]);
   });
   if (colour) {
-    for_each_vertex(scene, Nodes::of_cells, progress, [&](const Eigen::Vector3d&, std::uint32_t rgba) {
-      if (rgba == 0) rgba = 0xFFFFFFFFU;  // white where the scene knows no colour
-      for (const unsigned shift : {0U, 8U, 16U}) output.put(light_of(rgba >> shift & 255U));
-      output.put(std::uint16_t{0xFFFF});
-    });
+    for_each_vertex(scene, Nodes::of_cells, progress,
+                    [&](const Eigen::Vector3d&, std::uint32_t rgba) { put_glb_colour(output, rgba); });
   }
   if (!maps.empty()) put_places_in_pictures(scene, output);
   for_each_triangle(scene, progress, [&](std::uint64_t a, std::uint64_t b, std::uint64_t c) {

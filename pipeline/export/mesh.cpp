@@ -7,6 +7,7 @@
 #include "pipeline/export/formats.h"
 #include "pipeline/export/node_rows.h"
 #include "pipeline/export/output.hpp"
+#include "pipeline/export/vertex_colour.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -35,13 +36,6 @@ Pieces pieces_of(const scene::Scene& scene, bool nodes_only, Progress& progress)
   return pieces;
 }
 
-/// White where the scene knows no colour: the formats have no other way to say so.
-constexpr std::uint32_t shown_colour(std::uint32_t rgba) { return rgba == 0 ? 0xFFFFFFFFU : rgba; }
-
-void put_colour(Output& output, std::uint32_t rgba) {
-  for (const unsigned shift : {0U, 8U, 16U}) output.put(static_cast<std::uint8_t>(rgba >> shift));
-}
-
 }  // namespace
 
 void export_ply(const scene::Scene& scene, const std::filesystem::path& file, const std::string& shown, bool nodes_only,
@@ -58,12 +52,12 @@ void export_ply(const scene::Scene& scene, const std::filesystem::path& file, co
   output.print("ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {}\n", remark(nodes_only),
                counts.vertices);
   for (const char* axis : {"x", "y", "z"}) output.print("property double {}\n", axis);
-  if (colour) output.print("property uchar red\nproperty uchar green\nproperty uchar blue\n");
+  if (colour) output.print("{}", kPlyColours);
   if (!nodes_only) output.print("element face {}\nproperty list uchar {} vertex_indices\n", counts.triangles, index);
   output.print("end_header\n");
   for_each_vertex(scene, nodes, progress, [&](const Eigen::Vector3d& p, std::uint32_t rgba) {
     for (int axis = 0; axis < 3; ++axis) output.put(p[axis]);
-    if (colour) put_colour(output, shown_colour(rgba));
+    if (colour) put_ply_colour(output, rgba);
   });
   if (counts.triangles > 0) {
     for_each_triangle(scene, progress, [&](std::uint64_t a, std::uint64_t b, std::uint64_t c) {
@@ -82,11 +76,7 @@ void export_obj(const scene::Scene& scene, const std::filesystem::path& file, co
   output.print("# {}\n", remark(nodes_only));
   for_each_vertex(scene, nodes, progress, [&](const Eigen::Vector3d& p, std::uint32_t rgba) {
     output.print("v {} {} {}", p.x(), p.y(), p.z());
-    if (colour) {
-      rgba = shown_colour(rgba);
-      output.print(" {:.4f} {:.4f} {:.4f}", (rgba & 0xFFU) / 255.0, (rgba >> 8U & 0xFFU) / 255.0,
-                   (rgba >> 16U & 0xFFU) / 255.0);
-    }
+    if (colour) print_obj_colour(output, rgba);
     output.print("\n");
   });
   if (counts.triangles > 0) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <Eigen/LU>
@@ -13,6 +14,8 @@
 #include "pipeline/export/formats.h"
 #include "pipeline/export/glb_file.h"
 #include "pipeline/export/output.hpp"
+#include "pipeline/export/vertex_colour.h"
+#include "pipeline/solid/vertex_colours.h"
 #include "scene/scene.h"
 
 namespace sparsha::pipeline {
@@ -26,16 +29,21 @@ const char* remark(Holes holes) {
 /// A mesh in the frame of the scans.
 class ScanMesh {
  public:
-  ScanMesh(const scene::Scene& scene, const ClosedMesh& mesh)
+  /// `colours`: one a vertex, or none.
+  ScanMesh(const scene::Scene& scene, const ClosedMesh& mesh, std::vector<std::uint32_t> colours)
       : mesh_(mesh),
+        colours_(std::move(colours)),
         m_(scene.description().scan_from_grid),
         origin_m_(scene.description().charts->origin_m),
         mirrored_(m_.topLeftCorner<3, 3>().determinant() < 0.0) {}
 
   [[nodiscard]] MeshCounts counts() const { return {mesh_.vertices_m.size(), mesh_.triangles.size()}; }
+  [[nodiscard]] bool has_colours() const { return !colours_.empty(); }
+  /// Calls vertex(place, colour), where 0 is none.
   template <typename Vertex>
   void for_each_vertex(const Vertex& vertex) const {
-    for (const Eigen::Vector3f& p : mesh_.vertices_m) vertex(place_m(p.cast<double>()));
+    for (std::size_t k = 0; k < mesh_.vertices_m.size(); ++k)
+      vertex(place_m(mesh_.vertices_m[k].cast<double>()), has_colours() ? colours_[k] : std::uint32_t{0});
   }
   /// The middle of its box, in whole metres.
   [[nodiscard]] Eigen::Vector3d middle_m() const {
@@ -58,6 +66,7 @@ class ScanMesh {
     return m_.topLeftCorner<3, 3>() * (origin_m_ + from_origin) + m_.topRightCorner<3, 1>();
   }
   const ClosedMesh& mesh_;
+  std::vector<std::uint32_t> colours_;
   const Eigen::Matrix4d& m_;
   Eigen::Vector3d origin_m_;
   bool mirrored_;
@@ -68,9 +77,11 @@ void write_ply(const ScanMesh& mesh, Holes holes, const std::filesystem::path& f
   output.print("ply\nformat binary_little_endian 1.0\ncomment {}\nelement vertex {}\n", remark(holes),
                mesh.counts().vertices);
   for (const char* axis : {"x", "y", "z"}) output.print("property double {}\n", axis);
+  if (mesh.has_colours()) output.print("{}", kPlyColours);
   output.print("element face {}\nproperty list uchar int vertex_indices\nend_header\n", mesh.counts().triangles);
-  mesh.for_each_vertex([&](const Eigen::Vector3d& p) {
+  mesh.for_each_vertex([&](const Eigen::Vector3d& p, std::uint32_t rgba) {
     for (int axis = 0; axis < 3; ++axis) output.put(p[axis]);
+    if (mesh.has_colours()) put_ply_colour(output, rgba);
   });
   mesh.for_each_triangle([&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     output.put(std::uint8_t{3});
@@ -82,7 +93,11 @@ void write_ply(const ScanMesh& mesh, Holes holes, const std::filesystem::path& f
 void write_obj(const ScanMesh& mesh, Holes holes, const std::filesystem::path& file, const std::string& shown) {
   Output output(file, shown);
   output.print("# {}\n", remark(holes));
-  mesh.for_each_vertex([&](const Eigen::Vector3d& p) { output.print("v {} {} {}\n", p.x(), p.y(), p.z()); });
+  mesh.for_each_vertex([&](const Eigen::Vector3d& p, std::uint32_t rgba) {
+    output.print("v {} {} {}", p.x(), p.y(), p.z());
+    if (mesh.has_colours()) print_obj_colour(output, rgba);
+    output.print("\n");
+  });
   mesh.for_each_triangle(
       [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) { output.print("f {} {} {}\n", a + 1, b + 1, c + 1); });
   output.close();
@@ -93,14 +108,16 @@ void write_glb(const ScanMesh& mesh, const Eigen::Matrix3d& turn, const std::fil
   const Eigen::Vector3d middle = mesh.middle_m();
   const auto local = [&](const Eigen::Vector3d& p) { return Eigen::Vector3f((p - middle).cast<float>()); };
   GlbBox box;
-  mesh.for_each_vertex([&](const Eigen::Vector3d& p) { box.add(local(p)); });
-  const GlbDescription description(mesh.counts(), box, middle, turn, false, {});
+  mesh.for_each_vertex([&](const Eigen::Vector3d& p, std::uint32_t) { box.add(local(p)); });
+  const GlbDescription description(mesh.counts(), box, middle, turn, mesh.has_colours(), {});
   Output output(file, shown);
   begin_glb(description, output, shown);
-  mesh.for_each_vertex([&](const Eigen::Vector3d& p) {
+  mesh.for_each_vertex([&](const Eigen::Vector3d& p, std::uint32_t) {
     const Eigen::Vector3f q = local(p);
     for (int axis = 0; axis < 3; ++axis) output.put(q[axis]);
   });
+  if (mesh.has_colours())
+    mesh.for_each_vertex([&](const Eigen::Vector3d&, std::uint32_t rgba) { put_glb_colour(output, rgba); });
   mesh.for_each_triangle([&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     for (const std::uint32_t corner : {a, b, c}) output.put(corner);
   });
@@ -138,12 +155,15 @@ ClosedMeshFacts export_whole_mesh(const scene::Scene& scene, const std::filesyst
     throw Error(ErrorKind::usage, {shown, 0, 0}, "the ending names no mesh", "expected .ply, .obj or .glb");
   }
   context.progress.begin("mesh");
-  ClosedMesh closed = make_closed_mesh(*scene.description().charts, holes, context);
+  const scene::Charts& charts = *scene.description().charts;
+  ClosedMesh closed = make_closed_mesh(charts, holes, context);
   if (closed.vertices_m.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
     throw Error(ErrorKind::failure, {shown, 0, 0}, "more vertices than 32 bits can count", "a larger grid.spacing_mm");
   }
   drop_loose_vertices(closed);
-  const ScanMesh mesh(scene, closed);
+  std::vector<std::uint32_t> colours;
+  if (has_colours(charts)) colours = vertex_colours(charts, closed.vertices_m, context);
+  const ScanMesh mesh(scene, closed, std::move(colours));
   AtomicPath target(file);
   const std::string ending = ending_of(file);
   if (ending == ".ply") {

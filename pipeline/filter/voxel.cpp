@@ -27,7 +27,7 @@ struct CellHash {
 
 constexpr double kUnits = 1 << 30;
 
-struct ColourSum {
+struct VoxelColour {
   std::array<std::uint64_t, 4> channels{};
 
   void add(std::uint32_t rgba) {
@@ -51,7 +51,7 @@ struct alignas(kColour ? 32 : 64) Voxel {
   Cell key{};
   std::array<std::int64_t, 3> place{};  ///< in the cell, 2^-30 of a leaf
   std::uint64_t count = 0;
-  [[no_unique_address]] std::conditional_t<kColour, ColourSum, NoColour> colour;
+  [[no_unique_address]] std::conditional_t<kColour, VoxelColour, NoColour> colour;
   [[no_unique_address]] std::conditional_t<kIntensity, double, NoIntensity> intensity{};
 };
 

@@ -42,17 +42,23 @@ float largest_magnitude(const float* values, std::size_t count) {
   return largest;
 }
 
+std::optional<std::int64_t> IntensityScale::of(float intensity) const {
+  if (!std::isfinite(intensity)) return std::nullopt;
+  return std::llround(static_cast<double>(intensity) * per_one_);
+}
+
 AttributeSums::AttributeSums(const scene::Lattice& nodes, const BinLattice& lattice, bool colour, bool intensity,
                              float largest_intensity)
     : nodes_(nodes),
       lattice_(lattice),
-      intensity_scale_(largest_intensity > 0.0F ? 16777216.0 / static_cast<double>(largest_intensity) : 1.0),
+      intensity_scale_(largest_intensity),
       colour_(colour ? nodes.count() : 0),
       intensity_(intensity ? nodes.count() : 0) {}
 
 std::optional<std::array<std::int64_t, 1>> AttributeSums::scaled(float intensity) const {
-  if (!std::isfinite(intensity)) return std::nullopt;
-  return std::array<std::int64_t, 1>{std::llround(static_cast<double>(intensity) * intensity_scale_)};
+  const std::optional<std::int64_t> value = intensity_scale_.of(intensity);
+  if (!value) return std::nullopt;
+  return std::array<std::int64_t, 1>{*value};
 }
 
 template <std::size_t Channels, typename Read>
@@ -121,7 +127,7 @@ void AttributeSums::write_all(Projection& projection, const ColourOnMesh& colour
   if (!intensity_.empty()) {
     projection.intensity.assign(nodes_.count(), std::numeric_limits<float>::quiet_NaN());
     each_node<1>(intensity_, projection, intensity_on_mesh, [&](std::size_t node, const std::array<double, 1>& value) {
-      projection.intensity[node] = static_cast<float>(value[0] / intensity_scale_);
+      projection.intensity[node] = intensity_scale_.back(value[0]);
     });
   }
 }

@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::string_view kMark = "sparsha charts 1";
 constexpr std::string_view kMarkOfMore = "sparsha charts 2";  // with the layers that heights and slopes do not have
-constexpr std::array<std::vector<float> Sheet::*, 2> kMore{&Sheet::texture_m, &Sheet::curvature_per_m};  // bits 0, 1
+constexpr std::uint32_t kAllMore = 0b1111;
+static_assert(sizeof(float) == sizeof(std::uint32_t), "layers have four bytes a node");
 constexpr std::size_t kHead = 5 * sizeof(std::int32_t);
 constexpr std::size_t kNode = 3 * sizeof(float) + 1;
 constexpr std::int32_t kMostNodes = 1 << 24;  // along a side
@@ -74,13 +75,25 @@ bool keeps_its_word(const Sheet& sheet) {
   return true;
 }
 
-/// Bits of the layers in kMore that all sheets have.
+/// Calls use(values) for each layer of a sheet, const or not, whose bit is set, in their order in the file.
+template <typename AnySheet, typename Use>
+void for_more(AnySheet& sheet, std::uint32_t more, const Use& use) {
+  if ((more & 1U) != 0) use(sheet.texture_m);
+  if ((more & 2U) != 0) use(sheet.curvature_per_m);
+  if ((more & 4U) != 0) use(sheet.colour_rgba);
+  if ((more & 8U) != 0) use(sheet.intensity);
+}
+
+/// Bits of the layers that all sheets have.
 std::uint32_t more_of(const std::vector<Sheet>& sheets) {
-  std::uint32_t more = 0;
-  for (std::size_t k = 0; k < kMore.size(); ++k)
-    if (!sheets.empty() && std::all_of(sheets.begin(), sheets.end(),
-                                       [k](const Sheet& sheet) { return (sheet.*kMore[k]).size() == sheet.count(); }))
-      more |= 1U << k;
+  if (sheets.empty()) return 0;
+  std::uint32_t more = kAllMore;
+  for (const Sheet& sheet : sheets) {
+    for (std::uint32_t bit = 1; bit <= kAllMore; bit <<= 1U)
+      for_more(sheet, bit, [&](const auto& values) {
+        if (values.size() != sheet.count()) more &= ~bit;
+      });
+  }
   return more;
 }
 
@@ -100,8 +113,7 @@ void write_sheets(const std::filesystem::path& file, const std::vector<Sheet>& s
       put(bytes, values->data(), values->size());
     }
     put(bytes, sheet.mask.data(), sheet.mask.size());
-    for (std::size_t k = 0; k < kMore.size(); ++k)
-      if ((more & 1U << k) != 0) put(bytes, (sheet.*kMore[k]).data(), sheet.count());
+    for_more(sheet, more, [&](const auto& values) { put(bytes, values.data(), sheet.count()); });
   }
   write_file(file, bytes);
 }
@@ -117,7 +129,7 @@ std::vector<Sheet> read_sheets(const std::filesystem::path& file) {
   std::uint32_t more = 0;
   reader.take(&count, 1);
   if (found == kMarkOfMore) reader.take(&more, 1);
-  if (more >= 1U << kMore.size()) throw reader.bad("these are layers of another version");
+  if ((more & ~kAllMore) != 0) throw reader.bad("these are layers of another version");
   if (count > reader.left() / kHead) throw reader.bad("the file is shorter than its sheets");
   std::vector<Sheet> sheets(count);
   for (Sheet& sheet : sheets) {
@@ -141,12 +153,11 @@ std::vector<Sheet> read_sheets(const std::filesystem::path& file) {
     }
     sheet.mask.resize(sheet.count());
     reader.take(sheet.mask.data(), sheet.count());
-    for (std::size_t k = 0; k < kMore.size(); ++k) {
-      if ((more & 1U << k) == 0) continue;
-      if (sheet.count() > reader.left() / sizeof(float)) throw reader.bad("the file ends within a sheet");
-      (sheet.*kMore[k]).resize(sheet.count());
-      reader.take((sheet.*kMore[k]).data(), sheet.count());
-    }
+    for_more(sheet, more, [&](auto& values) {
+      if (sheet.count() > reader.left() / sizeof(values[0])) throw reader.bad("the file ends within a sheet");
+      values.resize(sheet.count());
+      reader.take(values.data(), sheet.count());
+    });
     if (!keeps_its_word(sheet)) throw reader.bad("a sheet has nodes that are called measured and are not");
   }
   if (reader.left() != 0) throw reader.bad("the file is longer than its sheets");

@@ -44,20 +44,25 @@ inline scene::Charts ball_charts(double radius_m, double spacing_m, const Eigen:
   return charts;
 }
 
-/// Its front view is one flat level.
-inline scene::ScenePointer ball_scene(double radius_m, double spacing_m, const Eigen::Matrix4d& scan_from_grid,
-                                      const Eigen::Vector3d& origin_m = {0.1, -0.2, 0.3}) {
+/// Their front view is one flat level with nodes so far apart.
+inline scene::ScenePointer scene_of_charts(scene::Charts charts, const Eigen::Matrix4d& scan_from_grid,
+                                           double apart_m) {
   scene::Layers layers;
-  layers.grid = scene::DepthGrid(scene::Lattice{5, 4, radius_m, origin_m});
+  layers.grid = scene::DepthGrid(scene::Lattice{5, 4, apart_m, charts.origin_m});
   layers.grid.height_m.assign(20, 0.0F);
   layers.grid.state.assign(20, scene::NodeState::measured);
   scene::SceneDescription description;
   description.scan_from_grid = scan_from_grid;
   description.levels = {layers.grid.lattice};
-  description.charts = std::make_shared<const scene::Charts>(ball_charts(radius_m, spacing_m, origin_m));
+  description.charts = std::make_shared<const scene::Charts>(std::move(charts));
   std::vector<scene::Layers> levels;
   levels.push_back(std::move(layers));
   return scene::make_scene(std::move(description), std::move(levels));
+}
+
+inline scene::ScenePointer ball_scene(double radius_m, double spacing_m, const Eigen::Matrix4d& scan_from_grid,
+                                      const Eigen::Vector3d& origin_m = {0.1, -0.2, 0.3}) {
+  return scene_of_charts(ball_charts(radius_m, spacing_m, origin_m), scan_from_grid, radius_m);
 }
 
 }  // namespace sparsha::test

@@ -58,6 +58,8 @@ ObjectMesh finest(const std::vector<DrawnSheet>& sheets) {
           mesh.normal.emplace_back(sheet.normal(k).cast<float>());
           if (!sheet.texture_m.empty()) mesh.texture_m.push_back(sheet.texture_m[k]);
           if (!sheet.bend_per_m.empty()) mesh.bend_per_m.push_back(sheet.bend_per_m[k]);
+          if (!sheet.colour_rgba.empty()) mesh.colour_rgba.push_back(sheet.colour_rgba[k]);
+          if (!sheet.intensity.empty()) mesh.intensity.push_back(sheet.intensity[k]);
         }
         moved += met ? 1 : 0;
       }

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <iterator>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -33,6 +34,17 @@ std::vector<double> heights(const ObjectView& object, Legend& legend) {
   for (double& value : values) value -= low;
   legend.unit = "mm";
   legend.high = std::max(*std::ranges::max_element(values), 1e-6);
+  return values;
+}
+
+/// From the direction of the front: up to a right angle on what faces it, more behind.
+std::vector<double> slopes(const ObjectView& object, Legend& legend) {
+  const std::vector<Eigen::Vector3f>& normal = object.finest().normal;
+  std::vector<double> values(normal.size());
+  for (std::size_t v = 0; v < values.size(); ++v)
+    values[v] = std::acos(std::clamp(static_cast<double>(normal[v].z()), -1.0, 1.0)) * 180.0 / std::numbers::pi;
+  legend.unit = "\xC2\xB0";
+  legend.high = std::clamp(usual(values), 1.0, 180.0);
   return values;
 }
 
@@ -98,9 +110,12 @@ std::vector<double> frictions(const ObjectView& object, const ObjectSource& sour
 bool is_own(const ObjectView& object, const ObjectSource& source, ColourMode mode) {
   switch (mode) {
     case ColourMode::height:
+    case ColourMode::slope:
     case ColourMode::curvature:
     case ColourMode::sky_view:
       return true;
+    case ColourMode::scan:
+      return !object.finest().colour_rgba.empty() || !object.finest().intensity.empty();
     case ColourMode::texture:
       return !object.finest().texture_m.empty();
     case ColourMode::friction:
@@ -114,6 +129,8 @@ std::vector<double> values_of(const ObjectView& object, const ObjectSource& sour
   switch (mode) {
     case ColourMode::height:
       return heights(object, legend);
+    case ColourMode::slope:
+      return slopes(object, legend);
     case ColourMode::curvature:
       return curvatures(object, legend);
     case ColourMode::texture:
@@ -149,6 +166,7 @@ Paint front_colours(const ObjectView& object, const ObjectSource& source) {
 Paint paint_object(const ObjectView& object, const ObjectSource& source, ColourMode mode) {
   if (mode == ColourMode::relief) return {};
   if (!is_own(object, source, mode)) return front_colours(object, source);
+  if (mode == ColourMode::scan) return paint_as_scanned(object.finest().colour_rgba, object.finest().intensity);
   Paint paint;
   const std::size_t count = object.finest().place.size();
   paint.rgba.assign(4 * count, 0);

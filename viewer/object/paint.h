@@ -15,9 +15,9 @@ struct ObjectSource {
   const Paint& front_paint;
 };
 
-/// A colour for each vertex of the finest level. Height, curvature and sky light are the object's own, and so are
-/// texture and friction where the charts have the texture; of all other modes the front view has the values, which go
-/// where the object is that front, and elsewhere there is no colour.
+/// A colour for each vertex of the finest level. Height, slope, curvature and sky light are the object's own, and so
+/// are colours as scanned, texture and friction where the charts have them; of all other modes the front view has the
+/// values, which go where the object is that front, and elsewhere there is no colour.
 [[nodiscard]] Paint paint_object(const ObjectView& object, const ObjectSource& source, ColourMode mode);
 
 }  // namespace sparsha::viewer

@@ -8,6 +8,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "base/numbers/colour_sum.h"
+
 namespace sparsha::viewer {
 namespace {
 
@@ -132,6 +134,8 @@ class Drawing {
     sheet.slope_v.assign(count, kNone);
     if (!source.texture_m.empty()) sheet.texture_m.assign(count, kNone);
     if (!source.curvature_per_m.empty()) sheet.bend_per_m.assign(count, kNone);
+    if (!source.colour_rgba.empty()) sheet.colour_rgba.assign(count, 0);
+    if (!source.intensity.empty()) sheet.intensity.assign(count, kNone);
     const double scale = 1.0 / spacing_m;
     for (int j = 0; j < source.ny; ++j)
       for (int i = 0; i < source.nx; ++i) {
@@ -144,23 +148,35 @@ class Drawing {
         sheet.slope_v[to] = source.slope_v[from];
         if (!source.texture_m.empty()) sheet.texture_m[to] = source.texture_m[from];
         if (!source.curvature_per_m.empty()) sheet.bend_per_m[to] = source.curvature_per_m[from];
+        if (!source.colour_rgba.empty()) sheet.colour_rgba[to] = source.colour_rgba[from];
+        if (!source.intensity.empty()) sheet.intensity[to] = source.intensity[from];
       }
     for (int ring = 0; ring < kRings; ++ring) add_ring(sheet);
     return sheet;
   }
 
-  /// Of the values of the eight nodes about a node that have one.
-  static float mean_about(const DrawnSheet& sheet, const std::vector<float>& values, std::size_t node) {
+  /// Calls use(value) for a node and the eight about it.
+  template <typename Value, typename Use>
+  static void about(const DrawnSheet& sheet, const std::vector<Value>& values, std::size_t node, const Use& use) {
     const auto nx = static_cast<std::ptrdiff_t>(sheet.nx);
-    float sum = 0.0F, count = 0.0F;
     for (std::ptrdiff_t b = -1; b <= 1; ++b)
-      for (std::ptrdiff_t a = -1; a <= 1; ++a) {
-        const float value = values[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(node) + b * nx + a)];
-        if (!std::isfinite(value)) continue;
-        sum += value;
-        count += 1.0F;
-      }
+      for (std::ptrdiff_t a = -1; a <= 1; ++a)
+        use(values[static_cast<std::size_t>(static_cast<std::ptrdiff_t>(node) + b * nx + a)]);
+  }
+  /// Of the nodes about a node that have a value.
+  static float mean_about(const DrawnSheet& sheet, const std::vector<float>& values, std::size_t node) {
+    float sum = 0.0F, count = 0.0F;
+    about(sheet, values, node, [&](float value) {
+      if (!std::isfinite(value)) return;
+      sum += value;
+      count += 1.0F;
+    });
     return count > 0.0F ? sum / count : kNone;
+  }
+  static std::uint32_t colour_about(const DrawnSheet& sheet, std::size_t node) {
+    ColourSum sum;
+    about(sheet, sheet.colour_rgba, node, [&](std::uint32_t rgba) { sum.add(rgba); });
+    return sum.mean();
   }
 
   /// One more node on every border, as the nodes beside it predict; none where they disagree.
@@ -193,8 +209,9 @@ class Drawing {
         if (weight > 0.0F && high - low < kAgree) added.push_back({k, height / weight, su / weight, sv / weight});
       }
     for (const New& n : added) {
-      for (std::vector<float>* values : {&sheet.texture_m, &sheet.bend_per_m})
+      for (std::vector<float>* values : {&sheet.texture_m, &sheet.bend_per_m, &sheet.intensity})
         if (!values->empty()) (*values)[n.node] = mean_about(sheet, *values, n.node);
+      if (!sheet.colour_rgba.empty()) sheet.colour_rgba[n.node] = colour_about(sheet, n.node);
       sheet.node[n.node] = Node::continued;
       sheet.height[n.node] = n.height;
       sheet.slope_u[n.node] = n.slope_u;

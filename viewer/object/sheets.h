@@ -28,12 +28,14 @@ struct DrawnSheet {
   int first_u = 0, first_v = 0;  ///< node (0, 0)
   int nx = 0, ny = 0;
   std::vector<Node> node;
-  std::vector<float> height;            ///< of measured nodes and of all that a continuation reaches; else NaN
-  std::vector<float> slope_u, slope_v;  ///< likewise
-  std::vector<float> texture_m;         ///< likewise; empty where the charts have none, as the next
-  std::vector<float> bend_per_m;        ///< curvature of the texture; NaN also where nothing tells it
-  std::vector<std::uint8_t> cell;       ///< 1: measured; 2: measured and drawn; 3: continued and drawn
-  std::vector<Eigen::Vector3f> moved;   ///< object frame: places of `met` nodes, in the order of their index
+  std::vector<float> height;               ///< of measured nodes and of all that a continuation reaches; else NaN
+  std::vector<float> slope_u, slope_v;     ///< likewise
+  std::vector<float> texture_m;            ///< likewise; empty where the charts have none, as the next
+  std::vector<float> bend_per_m;           ///< curvature of the texture; NaN also where nothing tells it
+  std::vector<std::uint32_t> colour_rgba;  ///< likewise; 0 where there is none
+  std::vector<float> intensity;            ///< likewise
+  std::vector<std::uint8_t> cell;          ///< 1: measured; 2: measured and drawn; 3: continued and drawn
+  std::vector<Eigen::Vector3f> moved;      ///< object frame: places of `met` nodes, in the order of their index
 
   [[nodiscard]] std::size_t index(int i, int j) const {
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(i);

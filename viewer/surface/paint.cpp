@@ -29,31 +29,6 @@ double typical(const std::vector<double>& values, double share) {
   return some.empty() ? 0.0 : quantile(some, share);
 }
 
-Paint scan_colours(const ReliefData& relief) {
-  Paint paint;
-  const std::size_t count = relief.lattice.count();
-  paint.rgba.assign(4 * count, 0);
-  if (!relief.layers.colour_rgba.empty()) {
-    paint.legend.title = "Colour as scanned";
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::uint32_t rgba = relief.layers.colour_rgba[k];
-      for (unsigned c = 0; c < 3; ++c) paint.rgba[4 * k + c] = static_cast<std::uint8_t>(rgba >> (8 * c));
-      paint.rgba[4 * k + 3] = rgba == 0 ? 0 : 255;
-    }
-    return paint;
-  }
-  paint.legend.title = "Intensity as scanned";
-  std::vector<double> values(relief.layers.intensity.begin(), relief.layers.intensity.end());
-  const double low = typical(values, 0.01), high = std::max(typical(values, 0.99), low + 1e-12);
-  for (std::size_t k = 0; k < count; ++k) {
-    if (!std::isfinite(values[k])) continue;
-    const double share = std::clamp((values[k] - low) / (high - low), 0.0, 1.0);
-    for (std::size_t c = 0; c < 3; ++c) paint.rgba[4 * k + c] = static_cast<std::uint8_t>(40.0 + 215.0 * share);
-    paint.rgba[4 * k + 3] = 255;
-  }
-  return paint;
-}
-
 constexpr std::array<std::uint8_t, 3> kMeasured{206, 190, 164}, kFilled{46, 126, 190};
 
 Paint coverage(const ReliefData& relief) {
@@ -244,6 +219,31 @@ bool has_mode(const scene::SceneDescription& description, ColourMode mode) {
   }
 }
 
+Paint paint_as_scanned(const std::vector<std::uint32_t>& colour_rgba, const std::vector<float>& intensity) {
+  Paint paint;
+  const std::size_t count = std::max(colour_rgba.size(), intensity.size());
+  paint.rgba.assign(4 * count, 0);
+  if (!colour_rgba.empty()) {
+    paint.legend.title = "Colour as scanned";
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::uint32_t rgba = colour_rgba[k];
+      for (unsigned c = 0; c < 3; ++c) paint.rgba[4 * k + c] = static_cast<std::uint8_t>(rgba >> (8 * c));
+      paint.rgba[4 * k + 3] = rgba == 0 ? 0 : 255;
+    }
+    return paint;
+  }
+  paint.legend.title = "Intensity as scanned";
+  const std::vector<double> values(intensity.begin(), intensity.end());
+  const double low = typical(values, 0.01), high = std::max(typical(values, 0.99), low + 1e-12);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!std::isfinite(values[k])) continue;
+    const double share = std::clamp((values[k] - low) / (high - low), 0.0, 1.0);
+    for (std::size_t c = 0; c < 3; ++c) paint.rgba[4 * k + c] = static_cast<std::uint8_t>(40.0 + 215.0 * share);
+    paint.rgba[4 * k + 3] = 255;
+  }
+  return paint;
+}
+
 const char* name_of(ColourMode mode) { return kTitles[static_cast<std::size_t>(mode)]; }
 
 ColourMode next_mode(const scene::SceneDescription& description, ColourMode mode, int step) {
@@ -258,7 +258,7 @@ ColourMode next_mode(const scene::SceneDescription& description, ColourMode mode
 Paint paint_relief(const ReliefData& relief, const scene::SceneDescription& description, ColourMode mode,
                    double workspace_m, const Legend* legend) {
   if (mode == ColourMode::relief || !has_mode(description, mode)) return {};
-  if (mode == ColourMode::scan) return scan_colours(relief);
+  if (mode == ColourMode::scan) return paint_as_scanned(relief.layers.colour_rgba, relief.layers.intensity);
   if (mode == ColourMode::coverage) return coverage(relief);
 
   const std::size_t count = relief.lattice.count();

@@ -39,6 +39,10 @@ struct Paint {
 
 /// True when the scene has what the mode shows.
 [[nodiscard]] bool has_mode(const scene::SceneDescription& description, ColourMode mode);
+/// Colours of the scans as they are (0xAABBGGRR, 0: none), or where there are none their intensities as greys, whose
+/// range all but 2 % lie in. One a vertex; the other may be empty.
+[[nodiscard]] Paint paint_as_scanned(const std::vector<std::uint32_t>& colour_rgba,
+                                     const std::vector<float>& intensity);
 /// `title` of a mode in the interface, e.g. "Height".
 [[nodiscard]] const char* name_of(ColourMode mode);
 /// The next mode after `mode` that the scene has; `step` -1: the one before.

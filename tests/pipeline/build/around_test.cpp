@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -15,6 +16,7 @@
 #include "pipeline/build/build.h"
 #include "pipeline/build/recheck.h"
 #include "pipeline/export/export.h"
+#include "pipeline/scan/reader.h"
 #include "scene/scene.h"
 #include "tests/support/test_folder.h"
 
@@ -33,6 +35,13 @@ Vector3d ring_to(const Vector3d& p) {
   return q - kRing_m * Vector3d(q.x(), q.y(), 0.0).normalized();
 }
 
+/// A colour of each place about the ring, that changes by at most 0.2 levels per mm.
+std::array<double, 3> tint_at(const Vector3d& p) {
+  const Vector3d q = (p - kCentre_m) / (kRing_m + kTube_m);
+  return {120.0 + 100.0 * q.x(), 120.0 + 100.0 * q.y(), 120.0 + 300.0 * q.z()};
+}
+double shine_at(const Vector3d& p) { return 500.0 + 1000.0 * (p - kCentre_m).x(); }
+
 /// A node as --nodes writes it.
 struct Node {
   double place[3];
@@ -46,26 +55,32 @@ class AroundBuild : public ::testing::Test {
     std::mt19937_64 random(7);
     std::uniform_real_distribution<double> unit(0.0, 1.0);
     std::normal_distribution<double> noise(0.0, 0.1 * kSpacing_m);
-    std::string text;
+    std::string text, tinted = "//X Y Z R G B Intensity\n";
     for (int k = 0; k < kPoints;) {
       const double a = 6.283185307179586 * unit(random), b = 6.283185307179586 * unit(random);
       if (unit(random) * (kRing_m + kTube_m) > kRing_m + kTube_m * std::cos(b)) continue;
       const double tube = kTube_m + noise(random), r = kRing_m + tube * std::cos(b);
       const Vector3d p = kCentre_m + Vector3d(r * std::cos(a), r * std::sin(a), tube * std::sin(b));
-      for (int axis = 0; axis < 3; ++axis) text += std::to_string(p[axis]) + (axis < 2 ? ' ' : '\n');
+      std::string place;
+      for (int axis = 0; axis < 3; ++axis) place += std::to_string(p[axis]) + (axis < 2 ? " " : "");
+      text += place + '\n';
+      tinted += place;
+      for (const double level : tint_at(p)) tinted += ' ' + std::to_string(std::lround(level));
+      tinted += ' ' + std::to_string(shine_at(p)) + '\n';
       ++k;
     }
     write_file(folder_ / "torus.xyz", text);
+    write_file(folder_ / "tinted.xyz", tinted);
   }
 
   // `more` are blocks of the configuration.
   BuildResult build(const std::string& more, unsigned threads = 2, const std::string& name = "scene",
-                    const BuildOptions& given = {}) {
-    write_file(folder_ / "torus.yaml",
-               "scans:\n  - {file: torus.xyz, units: m}\n"
-               "orientation: {look_from: [1, 0.3, 0.5], up: [0, 0, 1], scale: 2}\n"
-               "check: {samples: all}\n" +
-                   more);
+                    const BuildOptions& given = {}, const std::string& scan = "torus.xyz") {
+    write_file(folder_ / "torus.yaml", "scans:\n  - {file: " + scan +
+                                           ", units: m}\n"
+                                           "orientation: {look_from: [1, 0.3, 0.5], up: [0, 0, 1], scale: 2}\n"
+                                           "check: {samples: all}\n" +
+                                           more);
     Progress progress;
     BuildOptions options = given;
     options.threads = threads;
@@ -151,6 +166,45 @@ TEST_F(AroundBuild, ExportsNodesOfAllSidesWithOutwardNormalsInTheScanFrame) {
   EXPECT_EQ(static_cast<std::size_t>(charts), built.report.around->sheets);
   const Vector3d size(2.0 * (kRing_m + kTube_m), 2.0 * (kRing_m + kTube_m), 2.0 * kTube_m);
   EXPECT_LT((high - low - size).cwiseAbs().maxCoeff(), kSpacing_m);
+}
+
+TEST_F(AroundBuild, KeepsColoursAndIntensitiesOfAllSidesAndExportsThem) {
+  const std::string asked = "around: {}\ngrid: {colour: true, intensity: true}\n";
+  static_cast<void>(build(asked, 1, "scene", {}, "tinted.xyz"));
+  static_cast<void>(build(asked, 3, "again", {}, "tinted.xyz"));
+  EXPECT_EQ(bytes("scene/charts.bin"), bytes("again/charts.bin"));
+  const scene::ScenePointer scene = scene::open_scene(folder_ / "scene");
+  const scene::Charts& charts = *scene->description().charts;
+  const Eigen::Matrix4d& m = scene->description().scan_from_grid;
+  std::size_t nodes = 0;
+  for (const scene::Sheet& sheet : charts.sheets) {
+    ASSERT_EQ(sheet.colour_rgba.size(), sheet.count());
+    ASSERT_EQ(sheet.intensity.size(), sheet.count());
+    for (int j = 0; j < sheet.ny; ++j)
+      for (int i = 0; i < sheet.nx; ++i) {
+        const std::size_t node = sheet.index(i, j);
+        if (!sheet.measured(node)) continue;
+        const Vector3d grid_m = charts.origin_m + charts.place_m(sheet, i, j);
+        const Vector3d place = m.topLeftCorner<3, 3>() * grid_m + m.topRightCorner<3, 1>();
+        const std::array<double, 3> want = tint_at(place);
+        for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(sheet.colour_rgba[node] >> (8 * c) & 255U, want[c], 10.0);
+        ASSERT_NEAR(sheet.intensity[node], shine_at(place), 5.0);
+        ++nodes;
+      }
+  }
+  EXPECT_EQ(nodes, charts.measured_nodes());
+
+  Progress progress;
+  export_scene(*scene, folder_ / "nodes.ply", true, progress);
+  const RawScan points = read_scan(folder_ / "nodes.ply");
+  ASSERT_EQ(points.rgba.size(), nodes);
+  for (std::size_t k = 0; k < nodes; ++k) {
+    const std::array<double, 3> want = tint_at(Vector3d(points.points[k][0], points.points[k][1], points.points[k][2]));
+    for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(points.rgba[k] >> (8 * c) & 255U, want[c], 10.0);
+  }
+  // Without being asked for they are not kept, as of the front.
+  static_cast<void>(build("around: {}\n", 2, "plain", {}, "tinted.xyz"));
+  EXPECT_TRUE(scene::open_scene(folder_ / "plain")->description().charts->sheets.front().colour_rgba.empty());
 }
 
 TEST_F(AroundBuild, IsCheckedWithEveryPointAndNotOnlyTheFront) {

@@ -85,6 +85,12 @@ Mesh read_obj(const std::filesystem::path& file) {
       words >> text[0] >> text[1] >> text[2];
       mesh.vertices.push_back({std::strtod(text[0].c_str(), nullptr), std::strtod(text[1].c_str(), nullptr),
                                std::strtod(text[2].c_str(), nullptr)});
+      std::array<double, 3> colour{};  // 0 to 1
+      if (words >> colour[0] >> colour[1] >> colour[2]) {
+        std::array<std::uint8_t, 3> rgb{};
+        for (std::size_t c = 0; c < 3; ++c) rgb[c] = static_cast<std::uint8_t>(255.0 * colour[c] + 0.5);
+        mesh.colours.push_back(rgb);
+      }
     } else if (word == "f") {
       std::array<std::uint32_t, 3> corners{};
       words >> corners[0] >> corners[1] >> corners[2];

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <array>
 #include <cmath>
 #include <map>
@@ -82,6 +83,53 @@ TEST(ExportWholeMesh, IsTheClosedObjectInTheScanFrameInAllFormats) {
     EXPECT_TRUE(glb.warnings.empty());
     expect_ball(vectors(glb.points), glb.faces, centre, kSlack_m);
   }
+}
+
+// As charts of a scan with colours have them: one a node, by its direction from the ball's middle.
+TEST(ExportWholeMesh, HasTheColoursOfAllSides) {
+  const auto level = [](const Eigen::Vector3d& p, int axis) { return 128.0 + 100.0 * p.normalized()[axis]; };
+  scene::Charts charts = test::ball_charts(kRadius_m, kSpacing_m, kOrigin_m);
+  for (scene::Sheet& sheet : charts.sheets) {
+    sheet.colour_rgba.assign(sheet.count(), 0);
+    for (int j = 0; j < sheet.ny; ++j)
+      for (int i = 0; i < sheet.nx; ++i) {
+        if (!sheet.measured(sheet.index(i, j))) continue;
+        std::uint32_t rgba = 0xFF000000U;
+        for (int axis = 0; axis < 3; ++axis)
+          rgba |= static_cast<std::uint32_t>(std::lround(level(charts.place_m(sheet, i, j), axis))) << (8 * axis);
+        sheet.colour_rgba[sheet.index(i, j)] = rgba;
+      }
+  }
+  const Eigen::Matrix4d m = pose(true);
+  const scene::ScenePointer scene = test::scene_of_charts(std::move(charts), m, kRadius_m);
+  ThreadPool pool(2);
+  Progress progress;
+  const test::TestFolder folder;
+  const Eigen::Matrix4d grid_from_scan = m.inverse();
+  const auto expect_colours = [&](const std::vector<Eigen::Vector3d>& places, const auto& colour_of, double slack) {
+    ASSERT_GT(places.size(), 3000U);
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      const Eigen::Vector3d at = (grid_from_scan * places[k].homogeneous()).head<3>() - kOrigin_m;
+      for (int axis = 0; axis < 3; ++axis) ASSERT_NEAR(colour_of(k, axis), level(at, axis), slack);
+    }
+  };
+  constexpr double kSlack = 0.75 * 100.0 * kSpacing_m / kRadius_m;  // a vertex between nodes has the nearer one's
+  for (const char* name : {"a.ply", "a.obj"}) {
+    static_cast<void>(export_whole_mesh(*scene, folder / name, Holes::close, {pool, progress}));
+    const test::Mesh mesh =
+        fs::path(name).extension() == ".ply" ? test::read_ply(folder / name) : test::read_obj(folder / name);
+    ASSERT_EQ(mesh.colours.size(), mesh.vertices.size()) << name;
+    expect_colours(
+        vectors(mesh.vertices),
+        [&](std::size_t k, int axis) { return static_cast<double>(mesh.colours[k][static_cast<std::size_t>(axis)]); },
+        kSlack);
+  }
+  static_cast<void>(export_whole_mesh(*scene, folder / "a.glb", Holes::close, {pool, progress}));
+  const RawScan glb = read_scan(folder / "a.glb");
+  ASSERT_EQ(glb.rgba.size(), glb.points.size());
+  expect_colours(
+      vectors(glb.points),
+      [&](std::size_t k, int axis) { return static_cast<double>(glb.rgba[k] >> (8 * axis) & 255U); }, kSlack);
 }
 
 TEST(ExportWholeMesh, NeedsAnEndingThatNamesAMesh) {

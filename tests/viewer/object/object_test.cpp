@@ -400,6 +400,53 @@ TEST(WholePicture, TextureAndFrictionAreShownOnAllSides) {
   }
 }
 
+// Red where x is positive, blue elsewhere, on the back as on the front; intensities alone are greys.
+TEST(WholePicture, HasTheScansColoursOnAllSides) {
+  scene::Charts charts = charts_of(*sparsha::test::make_torus(), 20'000, 0.1);
+  for (scene::Sheet& sheet : charts.sheets) {
+    sheet.colour_rgba.assign(sheet.count(), 0);
+    for (int j = 0; j < sheet.ny; ++j)
+      for (int i = 0; i < sheet.nx; ++i)
+        if (sheet.measured(sheet.index(i, j)))
+          sheet.colour_rgba[sheet.index(i, j)] =
+              (charts.origin_m + charts.place_m(sheet, i, j)).x() > 0.0 ? 0xFF0000C8U : 0xFFC80000U;
+  }
+  const gl::OffscreenContext context;
+  const scene::ScenePointer scene =
+      sparsha::test::scene_of([](double, double) { return 0.0; }, sparsha::test::SceneOptions{});
+  const Paint nothing;
+  const ReliefData front;
+  const auto expect_halves = [&](Exhibit& exhibit, const Paint& paint, const std::array<std::array<int, 3>, 2>& want) {
+    const ObjectView& view = exhibit.view();
+    ASSERT_EQ(paint.rgba.size(), 4 * view.finest().place.size());
+    std::array<std::size_t, 2> behind{};
+    for (std::size_t v = 0; v < view.finest().place.size(); ++v) {
+      ASSERT_EQ(paint.rgba[4 * v + 3], 255) << "a vertex without colour";
+      const double x = view.place_m(v).x();
+      if (std::abs(x) < 4.0 * exhibit.spacing_m()) continue;
+      for (std::size_t c = 0; c < 3; ++c) ASSERT_EQ(paint.rgba[4 * v + c], want[x > 0.0 ? 1 : 0][c]) << x;
+      if (view.finest().normal[v].z() < 0.0F) ++behind[x > 0.0 ? 1 : 0];
+    }
+    EXPECT_GT(std::min(behind[0], behind[1]), 300U);
+    EXPECT_EQ(paint.legend.title.find("front"), std::string::npos);
+  };
+  {
+    Exhibit exhibit(charts);
+    expect_halves(exhibit, paint_object(exhibit.view(), {scene->description(), 0.1, front, nothing}, ColourMode::scan),
+                  {{{0, 0, 200}, {200, 0, 0}}});
+  }
+  for (scene::Sheet& sheet : charts.sheets) {
+    for (const std::uint32_t rgba : sheet.colour_rgba)
+      sheet.intensity.push_back(rgba == 0             ? std::numeric_limits<float>::quiet_NaN()
+                                : rgba == 0xFF0000C8U ? 9.0F
+                                                      : 4.0F);
+    sheet.colour_rgba.clear();
+  }
+  Exhibit exhibit(charts);
+  expect_halves(exhibit, paint_object(exhibit.view(), {scene->description(), 0.1, front, nothing}, ColourMode::scan),
+                {{{40, 40, 40}, {255, 255, 255}}});
+}
+
 // Charts that hold no cell leave the front view in the picture.
 TEST(WholePicture, WithoutCellsIsTheFrontView) {
   scene::Charts charts;

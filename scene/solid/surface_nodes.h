@@ -10,7 +10,7 @@
 
 #include "scene/charts.h"
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 /// A measured node. Metres, relative to the charts' origin.
 struct SurfaceNode {
@@ -26,12 +26,12 @@ class SurfaceNodes {
   /// Every `stride`-th node along both axes of a sheet. Cubes are `reach_m` wide. `value(sheet, node)` gives
   /// SurfaceNode::value.
   template <class Value>
-  SurfaceNodes(const scene::Charts& charts, double reach_m, int stride, const Value& value) : reach_m_(reach_m) {
-    for (const scene::Sheet& sheet : charts.sheets)
+  SurfaceNodes(const Charts& charts, double reach_m, int stride, const Value& value) : reach_m_(reach_m) {
+    for (const Sheet& sheet : charts.sheets)
       for (int j = 0; j < sheet.ny; ++j)
         for (int i = 0; i < sheet.nx; ++i)
           if (counts(sheet, i, j, stride))
-            nodes_.push_back({charts.place_m(sheet, i, j), scene::Charts::normal(sheet, i, j),
+            nodes_.push_back({charts.place_m(sheet, i, j), Charts::normal(sheet, i, j),
                               stride * stride * area_of(sheet, sheet.index(i, j)), value(sheet, sheet.index(i, j))});
     sort();
   }
@@ -46,8 +46,8 @@ class SurfaceNodes {
   [[nodiscard]] static std::uint64_t key_of(const Eigen::Vector3i& cube);
 
  private:
-  [[nodiscard]] static bool counts(const scene::Sheet& sheet, int i, int j, int stride);
-  [[nodiscard]] static double area_of(const scene::Sheet& sheet, std::size_t node);
+  [[nodiscard]] static bool counts(const Sheet& sheet, int i, int j, int stride);
+  [[nodiscard]] static double area_of(const Sheet& sheet, std::size_t node);
   void sort();
 
   double reach_m_;
@@ -56,4 +56,4 @@ class SurfaceNodes {
   std::vector<std::size_t> begins_;  // of each cube's nodes, and their end
 };
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene

@@ -1,11 +1,11 @@
-#include "pipeline/charts/surface_nodes.h"
+#include "scene/solid/surface_nodes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
-namespace sparsha::pipeline {
+namespace sparsha::scene {
 
 std::uint64_t SurfaceNodes::key_of(const Eigen::Vector3i& cube) {
   constexpr std::int64_t kHalf = 1 << 20;
@@ -16,14 +16,14 @@ std::uint64_t SurfaceNodes::key_of(const Eigen::Vector3i& cube) {
 }
 
 // No other side faces the place better where both slopes are at most one.
-bool SurfaceNodes::counts(const scene::Sheet& sheet, int i, int j, int stride) {
+bool SurfaceNodes::counts(const Sheet& sheet, int i, int j, int stride) {
   const std::size_t node = sheet.index(i, j);
   const auto on_stride = [stride](int at) { return ((at % stride) + stride) % stride == 0; };
   return sheet.measured(node) && std::abs(sheet.slope_u[node]) <= 1.0F && std::abs(sheet.slope_v[node]) <= 1.0F &&
          on_stride(sheet.first_u + i) && on_stride(sheet.first_v + j);
 }
 
-double SurfaceNodes::area_of(const scene::Sheet& sheet, std::size_t node) {
+double SurfaceNodes::area_of(const Sheet& sheet, std::size_t node) {
   return std::hypot(1.0, static_cast<double>(sheet.slope_u[node]), static_cast<double>(sheet.slope_v[node]));
 }
 
@@ -58,4 +58,4 @@ void SurfaceNodes::near(const Eigen::Vector3i& cube, std::vector<SurfaceNode>& f
       }
 }
 
-}  // namespace sparsha::pipeline
+}  // namespace sparsha::scene
