@@ -125,14 +125,14 @@ struct IntensitySum {
   std::int64_t weight = 0;
 };
 
-/// Calls mean(neighbours) for each measured node that misses a value, where some of its eight neighbours in the sheet
-/// have one, and again for as many rounds.
+/// Calls mean(neighbours) for each measured node without points that misses a value, where some of its eight neighbours
+/// in the sheet have one, and again for as many rounds. `has_points`: of nodes.
 template <class Value, class Misses, class Mean>
-void fill_between(const scene::Sheet& sheet, std::vector<Value>& values, int rounds, const Misses& misses,
-                  const Mean& mean) {
+void fill_between(const scene::Sheet& sheet, const std::vector<bool>& has_points, std::vector<Value>& values,
+                  int rounds, const Misses& misses, const Mean& mean) {
   std::vector<std::size_t> missing;
   for (std::size_t node = 0; node < sheet.count(); ++node)
-    if (sheet.measured(node) && misses(values[node])) missing.push_back(node);
+    if (sheet.measured(node) && !has_points[node] && misses(values[node])) missing.push_back(node);
   std::vector<std::pair<std::size_t, Value>> found;
   for (int round = 0; round < rounds && !missing.empty(); ++round) {
     found.clear();
@@ -168,6 +168,7 @@ class Attributes {
   void add() {
     if (!colour_ && !intensity_) return;
     for (scene::Sheet& sheet : charts_.sheets) {
+      has_points_.emplace_back(sheet.count(), false);
       if (colour_) sheet.colour_rgba.assign(sheet.count(), kNoColour);
       if (intensity_) sheet.intensity.assign(sheet.count(), kNoIntensity);
     }
@@ -180,7 +181,7 @@ class Attributes {
     });
     sides.clear();
     pool_.for_ranges(charts_.sheets.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t s = begin; s < end; ++s) fill(charts_.sheets[s]);
+      for (std::size_t s = begin; s < end; ++s) fill(charts_.sheets[s], has_points_[s]);
     });
   }
 
@@ -209,6 +210,7 @@ class Attributes {
       const std::optional<std::int64_t> value = intensity_ ? scale_.of(cloud_.intensity[k]) : std::nullopt;
       side.about(places_(k), [&](std::uint32_t node, double distance_m, double near) {
         if (distance_m > static_cast<double>(least_m[k]) + margin_m) return;
+        has_points_[side.nodes()[node].sheet][side.nodes()[node].node] = true;
         const std::int64_t weight = std::lround(near * kWeightOne) + 1;
         if (colour_) colours[node].add(cloud_.rgba[k], weight);
         if (!value) return;
@@ -225,14 +227,14 @@ class Attributes {
     }
   }
 
-  void fill(scene::Sheet& sheet) const {
+  void fill(scene::Sheet& sheet, const std::vector<bool>& has_points) const {
     constexpr double kReach = 2.0;  // point spacings
     constexpr double kMost = 16.0;
     const int rounds =
         static_cast<int>(std::clamp(std::ceil(kReach * rule_.point_spacing_m / charts_.spacing_m), 1.0, kMost));
     if (colour_)
       fill_between(
-          sheet, sheet.colour_rgba, rounds, [](std::uint32_t rgba) { return rgba == kNoColour; },
+          sheet, has_points, sheet.colour_rgba, rounds, [](std::uint32_t rgba) { return rgba == kNoColour; },
           [](const std::array<std::uint32_t, 8>& about, std::size_t count) {
             ColourSum sum;
             for (std::size_t k = 0; k < count; ++k) sum.add(about[k]);
@@ -240,7 +242,7 @@ class Attributes {
           });
     if (intensity_)
       fill_between(
-          sheet, sheet.intensity, rounds, [](float value) { return std::isnan(value); },
+          sheet, has_points, sheet.intensity, rounds, [](float value) { return std::isnan(value); },
           [](const std::array<float, 8>& about, std::size_t count) {
             float sum = 0.0F;
             for (std::size_t k = 0; k < count; ++k) sum += about[k];
@@ -255,6 +257,7 @@ class Attributes {
   ThreadPool& pool_;
   bool colour_, intensity_;
   IntensityScale scale_;
+  std::vector<std::vector<bool>> has_points_;  // of each sheet's nodes; those of one side are written by one thread
 };
 
 }  // namespace

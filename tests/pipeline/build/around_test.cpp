@@ -35,12 +35,13 @@ Vector3d ring_to(const Vector3d& p) {
   return q - kRing_m * Vector3d(q.x(), q.y(), 0.0).normalized();
 }
 
-/// A colour of each place about the ring, that changes by at most 0.2 levels per mm.
+/// A colour and an intensity of each place, and what they change by along an axis in 2.5 spacings.
 std::array<double, 3> tint_at(const Vector3d& p) {
   const Vector3d q = (p - kCentre_m) / (kRing_m + kTube_m);
-  return {120.0 + 100.0 * q.x(), 120.0 + 100.0 * q.y(), 120.0 + 300.0 * q.z()};
+  return {120.0 + 100.0 * q.x(), 120.0 + 100.0 * q.y(), 120.0 + 100.0 * q.z()};
 }
 double shine_at(const Vector3d& p) { return 500.0 + 1000.0 * (p - kCentre_m).x(); }
+constexpr double kTintSlack = 2.5 * 100.0 / (kRing_m + kTube_m) * kSpacing_m, kShineSlack = 2.5 * 1000.0 * kSpacing_m;
 
 /// A node as --nodes writes it.
 struct Node {
@@ -187,8 +188,8 @@ TEST_F(AroundBuild, KeepsColoursAndIntensitiesOfAllSidesAndExportsThem) {
         const Vector3d grid_m = charts.origin_m + charts.place_m(sheet, i, j);
         const Vector3d place = m.topLeftCorner<3, 3>() * grid_m + m.topRightCorner<3, 1>();
         const std::array<double, 3> want = tint_at(place);
-        for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(sheet.colour_rgba[node] >> (8 * c) & 255U, want[c], 10.0);
-        ASSERT_NEAR(sheet.intensity[node], shine_at(place), 5.0);
+        for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(sheet.colour_rgba[node] >> (8 * c) & 255U, want[c], kTintSlack);
+        ASSERT_NEAR(sheet.intensity[node], shine_at(place), kShineSlack);
         ++nodes;
       }
   }
@@ -200,7 +201,7 @@ TEST_F(AroundBuild, KeepsColoursAndIntensitiesOfAllSidesAndExportsThem) {
   ASSERT_EQ(points.rgba.size(), nodes);
   for (std::size_t k = 0; k < nodes; ++k) {
     const std::array<double, 3> want = tint_at(Vector3d(points.points[k][0], points.points[k][1], points.points[k][2]));
-    for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(points.rgba[k] >> (8 * c) & 255U, want[c], 10.0);
+    for (std::size_t c = 0; c < 3; ++c) ASSERT_NEAR(points.rgba[k] >> (8 * c) & 255U, want[c], kTintSlack);
   }
   // Without being asked for they are not kept, as of the front.
   static_cast<void>(build("around: {}\n", 2, "plain", {}, "tinted.xyz"));

@@ -144,7 +144,7 @@ TEST(SheetAttributes, AreNoneWhereNoPointHasAnyAndLeftOutWhereNoneIsAskedFor) {
   const scene::Charts charts = charts_with(cloud, scan.spacing_m);
   std::size_t without = 0;
   each_node(charts, [&](const scene::Sheet& sheet, std::size_t node, const Eigen::Vector3d& place) {
-    if (std::abs(place.x()) < 4.0 * scan.spacing_m) return;
+    if (std::abs(place.x()) < 6.0 * scan.spacing_m) return;  // a cell of a steep sheet is so wide
     ASSERT_EQ(sheet.colour_rgba[node] == pipeline::kNoColour, place.x() > 0.0);
     ASSERT_EQ(std::isnan(sheet.intensity[node]), place.x() > 0.0);
     without += place.x() > 0.0 ? 1 : 0;
