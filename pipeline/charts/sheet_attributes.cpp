@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/numbers/colour_sum.h"
-#include "pipeline/projection/attributes.h"
+#include "pipeline/projection/intensity_scale.h"
 
 namespace sparsha::pipeline {
 namespace {
@@ -176,7 +176,8 @@ class Attributes {
     for (std::size_t side = 0; side < scene::kSides; ++side)
       sides.emplace_back(charts_, static_cast<scene::Side>(side));
     const std::vector<float> least_m = distances(sides);
-    pool_.for_ranges(scene::kSides, 1, [&](std::size_t begin, std::size_t end) {
+    constexpr std::size_t kInTurn = 3;  // sides of a thread, so that no more than two have their sums at once
+    pool_.for_ranges(scene::kSides, kInTurn, [&](std::size_t begin, std::size_t end) {
       for (std::size_t side = begin; side < end; ++side) add(sides[side], least_m);
     });
     sides.clear();

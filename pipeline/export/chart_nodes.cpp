@@ -8,7 +8,7 @@
 #include "base/text/lower_case.h"
 #include "pipeline/export/formats.h"
 #include "pipeline/export/output.hpp"
-#include "pipeline/export/vertex_colour.h"
+#include "pipeline/export/vertex_colour.hpp"
 #include "pipeline/solid/vertex_colours.h"
 #include "scene/scene.h"
 

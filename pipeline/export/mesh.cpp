@@ -7,7 +7,7 @@
 #include "pipeline/export/formats.h"
 #include "pipeline/export/node_rows.h"
 #include "pipeline/export/output.hpp"
-#include "pipeline/export/vertex_colour.h"
+#include "pipeline/export/vertex_colour.hpp"
 
 namespace sparsha::pipeline {
 namespace {

@@ -1,4 +1,4 @@
-#include "pipeline/export/vertex_colour.h"
+#include "pipeline/export/vertex_colour.hpp"
 
 #include <cmath>
 

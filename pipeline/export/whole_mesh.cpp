@@ -14,7 +14,7 @@
 #include "pipeline/export/formats.h"
 #include "pipeline/export/glb_file.h"
 #include "pipeline/export/output.hpp"
-#include "pipeline/export/vertex_colour.h"
+#include "pipeline/export/vertex_colour.hpp"
 #include "pipeline/solid/vertex_colours.h"
 #include "scene/scene.h"
 

@@ -50,7 +50,7 @@ constexpr std::uint64_t kSampledNode = 32;
 constexpr double kChartPlace = 40.0;
 constexpr double kSampledPlace = 120.0;
 constexpr double kVote = 300.0, kMostVotes = 400e3;
-constexpr double kBoxNode = 40.0;
+constexpr double kBoxNode = 50.0;
 
 // Bytes of a bin's start, which a tile has in memory, and of the points' bytes the part that they may take as well.
 constexpr std::uint64_t kBin = 4;

@@ -34,19 +34,6 @@ std::optional<std::array<std::int64_t, 4>> channels(std::uint32_t rgba) {
 
 }  // namespace
 
-float largest_magnitude(const float* values, std::size_t count) {
-  float largest = 0.0F;
-  for (std::size_t k = 0; k < count; ++k) {
-    if (std::isfinite(values[k])) largest = std::max(largest, std::abs(values[k]));
-  }
-  return largest;
-}
-
-std::optional<std::int64_t> IntensityScale::of(float intensity) const {
-  if (!std::isfinite(intensity)) return std::nullopt;
-  return std::llround(static_cast<double>(intensity) * per_one_);
-}
-
 AttributeSums::AttributeSums(const scene::Lattice& nodes, const BinLattice& lattice, bool colour, bool intensity,
                              float largest_intensity)
     : nodes_(nodes),

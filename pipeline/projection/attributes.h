@@ -7,25 +7,12 @@
 #include <vector>
 
 #include "pipeline/projection/bins.h"
+#include "pipeline/projection/intensity_scale.h"
 #include "pipeline/projection/points.h"
 #include "pipeline/projection/projection.h"
 #include "pipeline/projection/triangles.h"
 
 namespace sparsha::pipeline {
-
-/// Intensities as integers, whose sums depend on no order.
-class IntensityScale {
- public:
-  /// `largest`: magnitude of a finite intensity, see largest_magnitude().
-  explicit IntensityScale(float largest) : per_one_(largest > 0.0F ? 16777216.0 / static_cast<double>(largest) : 1.0) {}
-  /// Nothing of an intensity that is not finite.
-  [[nodiscard]] std::optional<std::int64_t> of(float intensity) const;
-  /// The intensity of such an integer, or of a mean of several.
-  [[nodiscard]] float back(double value) const { return static_cast<float>(value / per_one_); }
-
- private:
-  double per_one_;
-};
 
 /// Means of used points, weighted towards the node. Integer sums, so that neither the points' order nor how they are
 /// cut into pieces matters.
@@ -69,8 +56,5 @@ class AttributeSums {
   std::vector<Sum<4>> colour_;
   std::vector<Sum<1>> intensity_;
 };
-
-/// Largest magnitude of the finite ones; 0 when there is none.
-[[nodiscard]] float largest_magnitude(const float* values, std::size_t count);
 
 }  // namespace sparsha::pipeline

@@ -33,17 +33,24 @@ def write_ply(path, points):
         points.tofile(file)
 
 
-def write_text_and_attributes(folder, points):
-    """The same points as a table, and as PLY with colours and intensities."""
+def write_with_attributes(path, points):
+    """PLY with colours and intensities."""
     count = len(points) // 3
-    with open(os.path.join(folder, "wavy.xyz"), "w") as file:
-        file.writelines("%.6f %.6f %.6f\n" % tuple(points[3 * k:3 * k + 3]) for k in range(count))
-    with open(os.path.join(folder, "rich.ply"), "wb") as file:
+    with open(path, "wb") as file:
         file.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % count)
         file.write(b"property float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n")
         file.write(b"property uchar blue\nproperty float intensity\nend_header\n")
         file.writelines(struct.pack("<3f3Bf", *points[3 * k:3 * k + 3], k % 256, k // 256 % 256, 90, points[3 * k])
                         for k in range(count))
+
+
+def write_text_and_attributes(folder, points):
+    """The same points as a table, and with colours and intensities."""
+    count = len(points) // 3
+    with open(os.path.join(folder, "wavy.xyz"), "w") as file:
+        file.writelines("%.6f %.6f %.6f\n" % tuple(points[3 * k:3 * k + 3]) for k in range(count))
+    write_with_attributes(os.path.join(folder, "rich.ply"), points)
+    write_with_attributes(os.path.join(folder, "rich_ball.ply"), ball(random.Random(9)))
     with open(os.path.join(folder, "small.xyz"), "w") as file:
         file.writelines("%.6f %.6f %.6f\n" % tuple(points[3 * k:3 * k + 3]) for k in range(30_000))
 
@@ -286,28 +293,32 @@ def first_refusals(folder):
 
 
 def whole_objects(folder):
-    """What is wrong with an object that is touched from all sides: six sides of nodes, and points told apart by side."""
+    """What is wrong with an object that is touched from all sides: six sides of nodes, points told apart by side, and
+    many nodes to a point."""
     failures = []
-    for size in (100, 500):
+    cases = [("ball.ply", 100, 2), ("ball.ply", 500, 2), ("rich_ball.ply", 500, 16)]
+    if NIGHTLY:
+        cases += [("ball.ply", 1500, 16), ("rich_ball.ply", 1500, 16)]
+    for name, size, threads in cases:
         with open(os.path.join(folder, "whole.yaml"), "w") as config:
-            config.write(f"scans: [{{file: ball.ply, units: m}}]\ngrid: {{size: {size}}}\naround: {{}}\n"
-                         "check: {samples: 20000}\n")
+            config.write(f"scans: [{{file: {name}, units: m}}]\ngrid: {{size: {size}, colour: true, intensity: true}}\n"
+                         "around: {}\ncheck: {samples: 20000}\n")
 
         def build(limit_mb):
-            code, peak, text = peak_of(["build", "whole.yaml", "--out", "whole", "--force", "--memory",
-                                        f"{limit_mb}MB"], folder)
+            code, peak, text = peak_of(["build", "whole.yaml", "--out", "whole", "--force", "--threads", str(threads),
+                                        "--memory", f"{limit_mb}MB"], folder)
             if peak > 1.05e6 * limit_mb:
-                failures.append(f"whole ball, {size} nodes, limit {limit_mb} MB: exit {code}, peak {peak / 1e6:.0f} MB")
+                failures.append(f"whole {name}, {size} nodes, limit {limit_mb} MB: exit {code}, peak {peak / 1e6:.0f} MB")
             return code, text
 
         code, text = build(110)
         needed = re.findall(r"need(?:s)? about (\d+) MB", text)
         if code != 1 or not needed:
-            failures.append(f"whole ball, {size} nodes, limit 110 MB: exit {code}, {text}")
+            failures.append(f"whole {name}, {size} nodes, limit 110 MB: exit {code}, {text}")
             continue
         code, text = build(int(needed[-1]))
         if code != 0:
-            failures.append(f"whole ball, {size} nodes: {needed[-1]} MB were said to be enough; {text}")
+            failures.append(f"whole {name}, {size} nodes: {needed[-1]} MB were said to be enough; {text}")
     return failures
 
 
