@@ -225,6 +225,23 @@ class Facing {
   std::int64_t count_ = 0;
 };
 
+/// Whether there is more than one colour: files whose points are all black or white show nothing.
+class Colours {
+ public:
+  void add(std::span<const std::uint32_t> colours) {
+    for (const std::uint32_t rgba : colours) {
+      if (several_ || rgba == kNoColour) continue;
+      several_ = first_ && *first_ != rgba;
+      first_ = rgba;
+    }
+  }
+  [[nodiscard]] bool several() const { return several_; }
+
+ private:
+  std::optional<std::uint32_t> first_;
+  bool several_ = false;
+};
+
 /// In an order of their own.
 std::vector<Eigen::Vector3d> in_order(std::vector<Eigen::Vector3d> points) {
   std::sort(points.begin(), points.end(), [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -266,6 +283,9 @@ ScanStatistics statistics_of_whole(const std::filesystem::path& file, Progress& 
   const std::optional<Eigen::Vector2d>& cell = statistics.scan.cell;
   statistics.spacing = cell ? cell->minCoeff() : median_spacing(statistics.scan.points);
   statistics.runs = runs_of(statistics.scan.points);
+  Colours colours;
+  colours.add(statistics.scan.rgba);
+  statistics.has_colours = colours.several();
   if (statistics.scan.faces.empty()) {
     Facing facing;
     facing.add(statistics.scan.normals);
@@ -295,9 +315,11 @@ ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& prog
   std::uint64_t count = 0;
   std::uint64_t at_scanner = 0;
   Facing facing;
+  Colours colours;
   statistics.scan = points.first([&](const PointBlock& block) {
     count += block.points.size();
     facing.add(block.normals);
+    colours.add(block.rgba);
     add_to_stations(block, statistics.stations);
     for (const Eigen::Vector3d& p : block.points) {
       const bool empty = is_at_scanner(p, block.station);
@@ -310,6 +332,7 @@ ScanStatistics scan_statistics(const std::filesystem::path& file, Progress& prog
     return statistics_of_whole(file, progress, options);
   }
   statistics.stated_facing = facing.mean();
+  statistics.has_colours = colours.several();
   keep_proved(statistics.stations);
   judge(statistics);
   const bool empty_returns = are_empty_returns(at_scanner, count);

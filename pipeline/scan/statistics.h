@@ -25,7 +25,8 @@ struct ScanStatistics {
   Eigen::Vector3d stated_facing = Eigen::Vector3d::Zero();
   /// Where scanners stood, file units, of which the points' order is proof.
   std::vector<SeenStation> stations;
-  double spacing = 0.0;  ///< median nearest-neighbour distance of a sample, file units; 0 when unknown
+  bool has_colours = false;  ///< more than one
+  double spacing = 0.0;      ///< median nearest-neighbour distance of a sample, file units; 0 when unknown
 };
 
 /// The same whatever is kept in memory: of a scan without faces with more than `kept_points` the file is gone through

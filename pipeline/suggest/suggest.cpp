@@ -400,9 +400,10 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   if (ways.sides.other_side && !ways.sides.standing && view.look_from == ways.sides.views.front().look_from)
     yaml += other_side(view);
   yaml += round_hint(seen, ways.sides, filtered || ways.planes_go);
-  yaml += fmt::format("grid: {{spacing_mm: {}}}  # {}\n",
+  yaml += fmt::format("grid: {{spacing_mm: {}{}}}  # {}{}\n",
                       choice.exact_spacing ? fmt::format("{:.12g}", spacing_mm) : written_mm(1e-3 * spacing_mm),
-                      choice.spacing_reason);
+                      seen.colours ? ", colour: true" : "", choice.spacing_reason,
+                      seen.colours ? "; the scans have colours" : "");
   yaml += fmt::format("fill: {{max_gap_mm: {:.3g}}}  # five spacings: small holes, no invented surface\n",
                       5.0 * spacing_mm);
   yaml += fmt::format(

@@ -343,6 +343,7 @@ void SeenScans::look_at(const ScanStatistics& file, double metres) {
       from_stations.push_back({p * metres, station.place * metres});
   }
   if (is_z_up(scan.format)) z_up_format = true;
+  if (file.has_colours) colours = true;
   range_images = (range_images || !any_) && is_range_image(scan, file.runs);
   rasters = (rasters || !any_) && scan.cell.has_value();
   any_ = true;

@@ -33,6 +33,7 @@ struct SeenScans {
   bool depth_camera_format = false;  ///< formats that depth cameras write in their own frame
   bool range_images = false;         ///< all scans are images of a camera in the origin
   bool rasters = false;              ///< all scans are grids of heights over x and y
+  bool colours = false;              ///< some scan has more than one
 
   /// The scan of a file, or a sample of it.
   void look_at(const ScanStatistics& file, double metres);

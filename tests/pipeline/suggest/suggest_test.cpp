@@ -109,6 +109,27 @@ class Suggested : public ::testing::Test {
   Suggestion suggestion_;
 };
 
+// Of few points, and of so many that they are gone through in blocks.
+TEST_F(Suggested, ScanColoursAreKeptWhereThereIsMoreThanOne) {
+  for (const std::size_t count : {std::size_t{20'000}, std::size_t{120'000}}) {
+    for (const int colours : {0, 1, 2}) {
+      if (count > 100'000 && colours < 2) continue;
+      std::string text = "//X Y Z" + std::string(colours > 0 ? " R G B\n" : "\n");
+      std::size_t k = 0;
+      for (const Eigen::Vector3d& p : relief(count, 1e-4)) {
+        text += std::to_string(p.x()) + ' ' + std::to_string(p.y()) + ' ' + std::to_string(p.z());
+        if (colours > 0) text += ++k % 2 < static_cast<std::size_t>(colours) - 1 ? " 90 80 70" : " 200 180 160";
+        text += '\n';
+      }
+      write_file(folder_ / "tinted.xyz", text);
+      Progress progress;
+      const Suggestion suggestion = suggest_config({folder_ / "tinted.xyz"}, {}, progress);
+      EXPECT_EQ(suggestion.config.grid.colour, colours == 2) << suggestion.yaml;
+      EXPECT_EQ(suggestion.yaml.find("the scans have colours") != std::string::npos, colours == 2) << suggestion.yaml;
+    }
+  }
+}
+
 TEST_F(Suggested, LeavesOutAScanWithoutPointsAndSaysSoInTheConfiguration) {
   const fs::path scan = write(relief(3000, 0.0)), empty = write({}, "empty.xyz");
   Progress progress;
