@@ -66,6 +66,7 @@ struct Sheet {
   std::vector<float> curvature_per_m;      ///< of the texture; NaN also where nothing tells it; empty: none
   std::vector<std::uint32_t> colour_rgba;  ///< 0xAABBGGRR; 0 where no point near has one; empty: none
   std::vector<float> intensity;            ///< NaN where no point near has one; empty: none
+  std::vector<float> error_m;  ///< mean distance of the scans' points about it; NaN where none is near; empty: none
 
   [[nodiscard]] std::size_t count() const { return static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny); }
   [[nodiscard]] std::size_t index(int i, int j) const {

@@ -27,6 +27,7 @@
 #include "pipeline/build/sides.h"
 #include "pipeline/build/warnings.h"
 #include "pipeline/charts/sheet_texture.h"
+#include "pipeline/check/chart_errors.h"
 #include "pipeline/check/check_map.h"
 #include "pipeline/layers/layers.h"
 #include "pipeline/outofcore/finished_tiles.h"
@@ -366,6 +367,10 @@ BuildResult build_scene(const scene::Config& given, const BuildOptions& options,
 
   if (scans.charts) {
     report.around = around_of(*scans.charts, scans.check_charts, progress);
+    if (report.around->check) {
+      add_errors(scans.charts->charts, *report.around->check, {pool, progress});
+      report.around->check->places = {};
+    }
   }
   scans.check_charts = nullptr;
 

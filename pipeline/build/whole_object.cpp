@@ -3,11 +3,17 @@
 
 #include <cmath>
 #include <cstdint>
+#include <optional>
+
+#include <fmt/format.h>
 
 #include <Eigen/LU>
 
+#include "base/text/text.h"
 #include "pipeline/build/measured_points.h"
 #include "pipeline/charts/sheet_attributes.h"
+#include "pipeline/charts/uneven_points.h"
+#include "pipeline/filter/voxel.h"
 #include "pipeline/scan/sampled_faces.h"
 
 namespace sparsha::pipeline {
@@ -15,9 +21,48 @@ namespace {
 
 constexpr std::uint64_t kChartSeed = 1, kCheckSeed = 2;
 
+/// One point in each voxel of `leaf_m`, without attributes.
+Cloud thinned(const Cloud& cloud, double leaf_m, Progress& progress) {
+  Cloud result;
+  result.origin_m = cloud.origin_m;
+  result.points = cloud.points;
+  result.stations = cloud.stations;
+  thin_to_voxels(result, leaf_m, progress);
+  return result;
+}
+
+/// As make_charts(); points that are too uneven, as of scanners at different distances, are thinned to the smallest
+/// voxels that make them even.
+ChartResult charts_of_any(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& grid,
+                          double resolution_m, const Context& context) {
+  constexpr double kFirst = 1.25, kNext = 1.3;  // of the distance of points, of the last leaf
+  constexpr int kTries = 9;
+  std::optional<UnevenPoints> uneven;
+  try {
+    return make_charts(cloud, scan_to_grid, grid, resolution_m, context);
+  } catch (const UnevenPoints& found) {
+    uneven = found;
+  }
+  double leaf_m = kFirst * uneven->spacing_m() / scale_of(scan_to_grid);
+  for (int k = 0; k < kTries; ++k, leaf_m *= kNext) {
+    try {
+      ChartResult result =
+          make_charts(thinned(cloud, leaf_m, context.progress), scan_to_grid, grid, resolution_m, context);
+      context.progress.warn(fmt::format(
+          "around: the points are much denser at some places than at others; for all sides they are thinned "
+          "to one a cube of {}, where half of them were {} apart (the filter 'voxel' chooses another)",
+          length_text(leaf_m), length_text(uneven->spacing_m() / scale_of(scan_to_grid))));
+      return result;
+    } catch (const UnevenPoints&) {
+      continue;
+    }
+  }
+  throw UnevenPoints(*uneven);
+}
+
 ChartResult charts_of_points(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid, const scene::GridConfig& grid,
                              const scene::Config& config, const Context& context) {
-  ChartResult result = make_charts(cloud, scan_to_grid, grid, config.haptics.resolution_m, context);
+  ChartResult result = charts_of_any(cloud, scan_to_grid, grid, config.haptics.resolution_m, context);
   add_attributes(result.charts, cloud, scan_to_grid,
                  {config.grid.colour, config.grid.intensity, result.point_spacing_m, result.noise_m}, context);
   return result;

@@ -20,7 +20,8 @@ inline constexpr double kPlacesOfSpacing = 0.8;
 /// Of a transform, in each direction.
 [[nodiscard]] double scale_of(const Eigen::Matrix4d& scan_to_grid);
 
-/// As make_charts(), with the attributes that `config` asks for. `grid` is its grid with what is known of it by now,
+/// As make_charts(), with the attributes that `config` asks for; points that are too uneven are thinned, which is said.
+/// `grid` is its grid with what is known of it by now,
 /// `front_spacing_m` the spacing of the front view, which tells how densely a mesh is sampled.
 [[nodiscard]] ChartResult charts_of(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
                                     const scene::GridConfig& grid, double front_spacing_m, const scene::Config& config,

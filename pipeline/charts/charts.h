@@ -37,7 +37,8 @@ struct ChartResult {
 
 /// `config` chooses the spacing of nodes as for a depth grid, except that bounds do not count. `scan_to_grid` is the
 /// orientation. Depends neither on threads nor on the points' order. Throws Error{input} when the points form no
-/// surface or nothing tells which side of it is outside; Error{usage} when the charts would exceed memory.
+/// surface or nothing tells which side of it is outside; UnevenPoints, an Error{input}; Error{usage} when the charts
+/// would exceed memory.
 [[nodiscard]] ChartResult make_charts(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
                                       const scene::GridConfig& config, double resolution_m, const Context& context,
                                       const ChartRule& rule = {});

@@ -13,15 +13,13 @@
 #include <Eigen/Geometry>
 
 #include "scene/depth_grid.h"
+#include "scene/solid/envelope.h"
 #include "scene/solid/surface_nodes.h"
 
 namespace sparsha::pipeline {
 namespace {
 
-constexpr double kReach = 3.0;          // sigmas of the envelope
 constexpr double kFitReach = 2.5;       // scales of the fit, as for one view
-constexpr int kMostNodes = 8;           // that a reach is wide; of wider ones some nodes are left out
-constexpr double kSameSide = 0.5;       // cosine of 60 degrees between normals
 constexpr double kSteepest = 1.5;       // of the way from a node to one of the same layer, beside a cell
 constexpr double kLeastWeight = 0.25;   // of a whole window's in a fit
 constexpr double kLeastBalance = 0.35;  // of the two spreads of its nodes
@@ -53,10 +51,6 @@ std::vector<Asked> all_nodes(const scene::Charts& charts, const scene::SurfaceNo
   return asked;
 }
 
-int stride_for(double reach_m, double spacing_m) {
-  return std::max(1, static_cast<int>(std::floor(reach_m / (kMostNodes * spacing_m))));
-}
-
 /// Result(place, normal, nodes about it) of every measured node into `layer` of its sheet, NaN elsewhere.
 template <class Result>
 void for_nodes(scene::Charts& charts, const scene::SurfaceNodes& nodes, std::vector<float> scene::Sheet::*layer,
@@ -77,34 +71,6 @@ void for_nodes(scene::Charts& charts, const scene::SurfaceNodes& nodes, std::vec
   });
 }
 
-/// Distance of a place before the bilateral mean of the nodes about it, metres along its normal.
-class Envelope {
- public:
-  explicit Envelope(const scene::TextureConfig& config)
-      : reach_2_(kReach * kReach * config.sigma_space_m * config.sigma_space_m),
-        space_(-0.5 / (config.sigma_space_m * config.sigma_space_m)),
-        range_(-0.5 / (config.sigma_range_m * config.sigma_range_m)) {}
-
-  [[nodiscard]] double operator()(const Eigen::Vector3d& place_m, const Eigen::Vector3d& normal,
-                                  const std::vector<scene::SurfaceNode>& about) const {
-    double sum = 0.0, weights = 0.0;
-    for (const scene::SurfaceNode& node : about) {
-      const Eigen::Vector3d way_m = node.place_m - place_m;
-      const double way_2 = way_m.squaredNorm();
-      if (way_2 > reach_2_ || node.normal.dot(normal) < kSameSide) continue;
-      const double before_m = normal.dot(way_m);
-      const double before_2 = before_m * before_m;
-      const double weight = node.area * std::exp(space_ * (way_2 - before_2) + range_ * before_2);
-      sum += weight * before_m;
-      weights += weight;
-    }
-    return weights > 0.0 ? -sum / weights : 0.0;
-  }
-
- private:
-  double reach_2_, space_, range_;
-};
-
 /// k of the values about a place, as a function over its tangent plane.
 class Bend {
  public:
@@ -120,7 +86,7 @@ class Bend {
     for (const scene::SurfaceNode& node : about) {
       const Eigen::Vector3d way_m = node.place_m - place_m;
       const double way_2 = way_m.squaredNorm();
-      if (way_2 > reach_2 || node.normal.dot(normal) < kSameSide) continue;
+      if (way_2 > reach_2 || node.normal.dot(normal) < scene::SurfaceNode::kSameSide) continue;
       const double before_m = normal.dot(way_m);
       const double across_2 = way_2 - before_m * before_m;
       const double most_m = spacing_m_ + kSteepest * std::sqrt(std::max(0.0, across_2));
@@ -162,17 +128,18 @@ class Bend {
 }  // namespace
 
 void add_texture(scene::Charts& charts, const scene::TextureConfig& config, const Context& context) {
-  const double reach_m = std::max(kReach * config.sigma_space_m, charts.spacing_m);
-  const scene::SurfaceNodes nodes(charts, reach_m, stride_for(reach_m, charts.spacing_m),
+  const double reach_m = std::max(scene::Envelope::reach_m(config.sigma_space_m), charts.spacing_m);
+  const scene::SurfaceNodes nodes(charts, reach_m, scene::SurfaceNodes::stride_within(reach_m, charts.spacing_m),
                                   [](const scene::Sheet&, std::size_t) { return 0.0; });
-  for_nodes(charts, nodes, &scene::Sheet::texture_m, context, Envelope(config));
+  for_nodes(charts, nodes, &scene::Sheet::texture_m, context,
+            scene::Envelope(config.sigma_space_m, config.sigma_range_m));
 }
 
 void add_curvature(scene::Charts& charts, double scale_m, double noise_m, const Context& context) {
   const double reach_m = std::max(kFitReach * scale_m, charts.spacing_m);
   const double noise_k = kNoiseGain * noise_m / (scale_m * scale_m);
   const scene::SurfaceNodes nodes(
-      charts, reach_m, stride_for(reach_m, charts.spacing_m),
+      charts, reach_m, scene::SurfaceNodes::stride_within(reach_m, charts.spacing_m),
       [](const scene::Sheet& sheet, std::size_t node) { return static_cast<double>(sheet.texture_m[node]); });
   for_nodes(charts, nodes, &scene::Sheet::curvature_per_m, context, Bend(scale_m, charts.spacing_m, noise_k));
 }

@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "base/error.h"
+#include "pipeline/charts/uneven_points.h"
 #include "pipeline/projection/facing.h"
 #include "pipeline/projection/plan.h"
 #include "pipeline/projection/points.h"
@@ -64,11 +65,7 @@ DiscRule rule_of(const OrientedPieces& pieces, const Extent& extent, ThreadPool&
     throw input_error({}, "the points form no surface that can be seen from all sides",
                       "a surface of points, each with others around it, and noise below their distance");
   }
-  if (surface.sparse_share > kMostSparse) {
-    throw input_error(
-        {}, "the density of the points varies too much for a surface seen from all sides",
-        "points at most places no more than twice as far apart as the median; filters: voxel makes them even");
-  }
+  if (surface.sparse_share > kMostSparse) throw UnevenPoints(surface.spacing_m);
   spacing_m = surface.spacing_m;
   DiscRule rule = disc_rule(surface, on_lines);
   rule.least_nz = kLeastUpright;

@@ -41,7 +41,7 @@ struct SidedDiscs {
   Buffer<SidedDisc> discs;  ///< in an order that depends on the set of points alone
 };
 
-/// Throws Error{input} when the points form no surface, or nothing tells the side of most of it.
+/// Throws Error{input} when the points form no surface, or nothing tells the side of most of it; UnevenPoints.
 [[nodiscard]] SidedDiscs find_sided_discs(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
                                           const Context& context);
 

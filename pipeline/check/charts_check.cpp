@@ -52,6 +52,9 @@ ChartCheck check_charts(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
       });
   result.sampled = sample.size();
   std::vector<float> distance_m(sample.size(), kNothing);
+  const std::size_t every = sample.size() / kMostNodes + 1;
+  result.places.resize((sample.size() + every - 1) / every,
+                       {Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero(), kNothing});
   context.pool.for_ranges(sample.size(), 1024, [&](std::size_t begin, std::size_t end) {
     context.progress.throw_if_cancelled();
     for (std::size_t s = begin; s < end; ++s) {
@@ -62,8 +65,10 @@ ChartCheck check_charts(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
           nodes.nearest(place_m, ChartCheck::kFarSpacings, [](const ChartNode&) { return true; });
       if (nearest == nullptr) continue;
       distance_m[s] = nearest->normal.dot((place_m - nearest->place_m.cast<double>()).cast<float>());
+      if (s % every == 0) result.places[s / every] = {place_m.cast<float>(), nearest->normal, distance_m[s]};
     }
   });
+  std::erase_if(result.places, [](const ChartCheck::Place& place) { return std::isnan(place.distance_m); });
   const std::vector<float> near_m = known_of(distance_m);
   result.far = sample.size() - near_m.size();
   result.cloud_to_surface = statistics_of(near_m, cloud.size());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -25,6 +26,13 @@ struct ChartCheck {
   std::uint64_t nodes = 0;        ///< looked at for this
   std::uint64_t nodes_alone = 0;  ///< of them, those where no sheet of another side is
   SidesCheck sides;
+  /// Of some of the sampled points that are not far.
+  struct Place {
+    Eigen::Vector3f place_m;  ///< grid frame, from the charts' origin
+    Eigen::Vector3f normal;   ///< of the nearest node
+    float distance_m;         ///< from its tangent plane
+  };
+  std::vector<Place> places;  ///< at most 200 000
 
   static constexpr double kFarSpacings = 3.0;  ///< of nodes
 };

@@ -141,11 +141,41 @@ void drop_loose_vertices(ClosedMesh& mesh) {
     for (std::uint32_t& corner : triangle) corner = number[corner];
 }
 
+/// The closed mesh without loose vertices, and their colours where the scene has any.
+std::pair<ClosedMesh, std::vector<std::uint32_t>> coloured_mesh(const scene::Scene& scene, Holes holes,
+                                                                const Context& context) {
+  const scene::Charts& charts = *scene.description().charts;
+  ClosedMesh closed = make_closed_mesh(charts, holes, context);
+  drop_loose_vertices(closed);
+  std::vector<std::uint32_t> colours;
+  if (has_colours(charts)) colours = vertex_colours(charts, closed.vertices_m, context);
+  return {std::move(closed), std::move(colours)};
+}
+
 }  // namespace
 
 bool is_mesh(const std::filesystem::path& file) {
   const std::string ending = ending_of(file);
   return ending == ".ply" || ending == ".obj" || ending == ".glb";
+}
+
+WholeMesh whole_mesh(const scene::Scene& scene, Holes holes, const Context& context) {
+  context.progress.begin("mesh");
+  auto [closed, colours] = coloured_mesh(scene, holes, context);
+  WholeMesh result;
+  const ScanMesh mesh(scene, closed, std::move(colours));
+  result.places_m.reserve(mesh.counts().vertices);
+  result.triangles.reserve(mesh.counts().triangles);
+  mesh.for_each_vertex([&](const Eigen::Vector3d& p, std::uint32_t rgba) {
+    result.places_m.push_back(p);
+    if (mesh.has_colours()) result.colours.push_back(rgba);
+  });
+  mesh.for_each_triangle([&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    result.triangles.push_back({a, b, c});
+  });
+  result.facts = closed.facts;
+  context.progress.finish();
+  return result;
 }
 
 ClosedMeshFacts export_whole_mesh(const scene::Scene& scene, const std::filesystem::path& file, Holes holes,
@@ -155,14 +185,10 @@ ClosedMeshFacts export_whole_mesh(const scene::Scene& scene, const std::filesyst
     throw Error(ErrorKind::usage, {shown, 0, 0}, "the ending names no mesh", "expected .ply, .obj or .glb");
   }
   context.progress.begin("mesh");
-  const scene::Charts& charts = *scene.description().charts;
-  ClosedMesh closed = make_closed_mesh(charts, holes, context);
+  auto [closed, colours] = coloured_mesh(scene, holes, context);
   if (closed.vertices_m.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max())) {
     throw Error(ErrorKind::failure, {shown, 0, 0}, "more vertices than 32 bits can count", "a larger grid.spacing_mm");
   }
-  drop_loose_vertices(closed);
-  std::vector<std::uint32_t> colours;
-  if (has_colours(charts)) colours = vertex_colours(charts, closed.vertices_m, context);
   const ScanMesh mesh(scene, closed, std::move(colours));
   AtomicPath target(file);
   const std::string ending = ending_of(file);

@@ -339,6 +339,13 @@ std::string round_hint(const SeenScans& seen, const Sides& sides, bool filtered)
                      mantle->reason);
 }
 
+/// A line that builds all sides of what has several, for those who take out its '#'.
+std::string around_hint(const Sides& sides) {
+  if (!sides.standing || (sides.standing->room && !sides.standing->from_within)) return {};
+  return sides.standing->from_within ? "# around: {}  # this line builds all its walls, which are touched from within\n"
+                                     : "# around: {}  # this line builds all its sides: the whole object is touched\n";
+}
+
 /// The files without those of the same bytes: a build takes each once, and so does the guess.
 std::vector<fs::path> files_once(const std::vector<fs::path>& files, Progress& progress) {
   std::vector<scene::ScanConfig> scans;
@@ -400,6 +407,7 @@ Suggestion suggest_config(const std::vector<fs::path>& scans, const fs::path& fo
   if (ways.sides.other_side && !ways.sides.standing && view.look_from == ways.sides.views.front().look_from)
     yaml += other_side(view);
   yaml += round_hint(seen, ways.sides, filtered || ways.planes_go);
+  yaml += around_hint(ways.sides);
   yaml += fmt::format("grid: {{spacing_mm: {}{}}}  # {}{}\n",
                       choice.exact_spacing ? fmt::format("{:.12g}", spacing_mm) : written_mm(1e-3 * spacing_mm),
                       seen.colours ? ", colour: true" : "", choice.spacing_reason,

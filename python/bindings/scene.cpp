@@ -195,6 +195,7 @@ scale: device metres a grid metre, which curvatures depend on. 0 where nothing w
                            1e3 * lattice.spacing_m, s.scene->description().levels.size());
       });
   bind_build(module, scene);
+  bind_whole_object(scene);
 }
 
 }  // namespace sparsha::python

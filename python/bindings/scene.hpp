@@ -25,5 +25,6 @@ using BuiltPointer = std::shared_ptr<const BuiltScene>;
 
 void bind_scene(pybind11::module_& module);
 void bind_build(pybind11::module_& module, pybind11::class_<BuiltScene, std::shared_ptr<BuiltScene>>& scene);
+void bind_whole_object(pybind11::class_<BuiltScene, std::shared_ptr<BuiltScene>>& scene);
 
 }  // namespace sparsha::python

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::string_view kMark = "sparsha charts 1";
 constexpr std::string_view kMarkOfMore = "sparsha charts 2";  // with the layers that heights and slopes do not have
-constexpr std::uint32_t kAllMore = 0b1111;
+constexpr std::uint32_t kAllMore = 0b11111;
 static_assert(sizeof(float) == sizeof(std::uint32_t), "layers have four bytes a node");
 constexpr std::size_t kHead = 5 * sizeof(std::int32_t);
 constexpr std::size_t kNode = 3 * sizeof(float) + 1;
@@ -82,6 +82,7 @@ void for_more(AnySheet& sheet, std::uint32_t more, const Use& use) {
   if ((more & 2U) != 0) use(sheet.curvature_per_m);
   if ((more & 4U) != 0) use(sheet.colour_rgba);
   if ((more & 8U) != 0) use(sheet.intensity);
+  if ((more & 16U) != 0) use(sheet.error_m);
 }
 
 /// Bits of the layers that all sheets have.

@@ -15,6 +15,11 @@ std::uint64_t SurfaceNodes::key_of(const Eigen::Vector3i& cube) {
   return key;
 }
 
+int SurfaceNodes::stride_within(double reach_m, double spacing_m) {
+  constexpr int kMostNodes = 8;
+  return std::max(1, static_cast<int>(std::floor(reach_m / (kMostNodes * spacing_m))));
+}
+
 // No other side faces the place better where both slopes are at most one.
 bool SurfaceNodes::counts(const Sheet& sheet, int i, int j, int stride) {
   const std::size_t node = sheet.index(i, j);

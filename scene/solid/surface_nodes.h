@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -14,6 +15,8 @@ namespace sparsha::scene {
 
 /// A measured node. Metres, relative to the charts' origin.
 struct SurfaceNode {
+  static constexpr double kSameSide = 0.5;  ///< cosine of 60 degrees: normals that differ by more are of other surfaces
+
   Eigen::Vector3d place_m;
   Eigen::Vector3d normal;  ///< outward, unit
   double area = 1.0;       ///< of the surface, in squares of the node spacing
@@ -35,6 +38,10 @@ class SurfaceNodes {
                               stride * stride * area_of(sheet, sheet.index(i, j)), value(sheet, sheet.index(i, j))});
     sort();
   }
+  /// Of places that are no nodes of charts.
+  SurfaceNodes(std::vector<SurfaceNode> nodes, double reach_m) : reach_m_(reach_m), nodes_(std::move(nodes)) { sort(); }
+  /// A stride with which no more than some 8 nodes lie along a reach.
+  [[nodiscard]] static int stride_within(double reach_m, double spacing_m);
   [[nodiscard]] std::size_t size() const { return nodes_.size(); }
 
   /// All nodes within `reach_m` of any place of the cube, and some more, into `found`, always in the same order.

@@ -129,8 +129,9 @@ class Around(unittest.TestCase):
         turn = np.pi * (1 + 5**0.5) * k
         across = np.sqrt(1 - height**2)
         directions = np.stack([across * np.cos(turn), across * np.sin(turn), height], -1)
-        cloud = sparsha.Cloud(cls.MIDDLE + cls.RADIUS * directions, normals=directions)
-        cls.scene = sparsha.build(cloud, config={"orientation": VIEW, "grid": {"spacing_mm": 3}, "around": {}})
+        colour = np.round(128 + 100 * directions).astype(np.uint8)
+        cloud = sparsha.Cloud(cls.MIDDLE + cls.RADIUS * directions, normals=directions, colour=colour)
+        cls.scene = sparsha.build(cloud, config={"orientation": VIEW, "grid": {"spacing_mm": 3, "colour": True}, "around": {}})
 
     def test_all_sides_push_outwards_in_the_scan_frame(self):
         renderer = sparsha.Renderer(self.scene, frame="scan", stiffness=STIFFNESS, friction=False)
@@ -149,6 +150,43 @@ class Around(unittest.TestCase):
     def test_numpy_agrees(self):
         code, told = second_opinion(self.scene)
         self.assertEqual((code, told.count(" pass ")), (0, 2), told)
+
+    def test_nodes_of_all_sides_have_places_normals_and_colours_in_the_scan_frame(self):
+        nodes = self.scene.nodes()
+        away = nodes["place"] - self.MIDDLE
+        directions = away / np.linalg.norm(away, axis=1)[:, None]
+        self.assertGreater(len(away), 10000)
+        np.testing.assert_allclose(np.linalg.norm(away, axis=1), self.RADIUS, atol=1e-4)
+        self.assertGreater((directions * nodes["normal"]).sum(axis=1).min(), 0.999)
+        self.assertLess(np.linalg.norm(directions.mean(axis=0)), 0.01)  # of all sides alike
+        np.testing.assert_allclose(nodes["colour"][:, :3], 128 + 100 * directions, atol=100 * 2.5 * 0.0015 / self.RADIUS)
+        self.assertEqual(nodes["sheet"].max() + 1, self.scene.sheets)
+        self.assertEqual((nodes["texture"], nodes["intensity"]), (None, None))
+        self.assertEqual([nodes[name].dtype for name in ("place", "normal", "sheet", "colour")],
+                         [np.float64, np.float32, np.int32, np.uint8])
+        with self.assertRaises(ValueError):
+            nodes["place"][0, 0] = 1.0
+
+    def test_the_mesh_is_closed_and_coloured(self):
+        told = []
+        mesh = self.scene.mesh(progress=lambda stage, share: told.append(stage))
+        vertices, triangles = mesh["vertices"] - self.MIDDLE, mesh["triangles"]
+        np.testing.assert_allclose(np.linalg.norm(vertices, axis=1), self.RADIUS, atol=2e-4)
+        ways = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+        self.assertEqual(len(np.unique(ways, axis=0)), len(ways))
+        np.testing.assert_array_equal(np.unique(ways, axis=0), np.unique(ways[:, ::-1], axis=0))
+        a, b, c = (vertices[triangles[:, k]] for k in range(3))
+        np.testing.assert_allclose(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6, 4 / 3 * np.pi * self.RADIUS**3, rtol=0.01)
+        np.testing.assert_allclose(mesh["colour"][:, :3], 128 + 100 * vertices / self.RADIUS, atol=100 * 2.5 * 0.0015 / self.RADIUS)
+        self.assertEqual(mesh["unseen"], 0)
+        self.assertIn("mesh", told)
+        with self.assertRaisesRegex(sparsha.UsageError, "holes is 'open'"):
+            self.scene.mesh(holes="open")
+        front = sparsha.build(sparsha.Cloud(self.MIDDLE + self.RADIUS * np.random.default_rng(3).random((9000, 3)) * [1, 1, 0]),
+                              config={"grid": {"spacing_mm": 1}})
+        for ask in (front.nodes, front.mesh):
+            with self.assertRaisesRegex(sparsha.UsageError, "no whole object"):
+                ask()
 
     def test_the_front_view_of_a_whole_object_takes_the_scan_frame_too(self):
         hip = self.MIDDLE + 0.96 * self.RADIUS * TOWARDS

@@ -56,10 +56,12 @@ ObjectMesh finest(const std::vector<DrawnSheet>& sheets) {
           vertex[k] = static_cast<std::uint32_t>(mesh.place.size());
           mesh.place.push_back(met ? sheet.moved[moved] : Eigen::Vector3f(sheet.place(i, j).cast<float>()));
           mesh.normal.emplace_back(sheet.normal(k).cast<float>());
+          mesh.measured.push_back(sheet.node[k] == DrawnSheet::Node::measured);
           if (!sheet.texture_m.empty()) mesh.texture_m.push_back(sheet.texture_m[k]);
           if (!sheet.bend_per_m.empty()) mesh.bend_per_m.push_back(sheet.bend_per_m[k]);
           if (!sheet.colour_rgba.empty()) mesh.colour_rgba.push_back(sheet.colour_rgba[k]);
           if (!sheet.intensity.empty()) mesh.intensity.push_back(sheet.intensity[k]);
+          if (!sheet.error_m.empty()) mesh.error_m.push_back(sheet.error_m[k]);
         }
         moved += met ? 1 : 0;
       }

@@ -26,10 +26,12 @@ struct ObjectMesh {
   std::vector<Eigen::Vector3f> normal;     ///< unit, outward
   std::vector<float> sky;                  ///< share of an even sky all around that the vertex sees, 0 to 1
   std::vector<float> curvature;            ///< mean of the normal curvatures, per spacing; ridges positive
+  std::vector<bool> measured;              ///< of the finest level; else it continues the sheet or closes a small hole
   std::vector<float> texture_m;            ///< of the finest level, where the charts have it; NaN: not known
   std::vector<float> bend_per_m;           ///< likewise: curvature of the texture
   std::vector<std::uint32_t> colour_rgba;  ///< likewise: 0xAABBGGRR as scanned; 0: not known
   std::vector<float> intensity;            ///< likewise, as scanned
+  std::vector<float> error_m;              ///< likewise: mean distance of the scans' points
   std::vector<std::uint32_t> indices;      ///< three a triangle
   std::vector<std::uint32_t>
       coarser;  ///< of each vertex: the next level's vertex that stands for it; empty on the last

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -15,6 +16,8 @@
 #include "base/numbers/statistics.h"
 #include "scene/material/friction_law.h"
 #include "scene/scene.h"
+#include "scene/solid/envelope.h"
+#include "scene/solid/surface_nodes.h"
 
 namespace sparsha::viewer {
 namespace {
@@ -25,6 +28,13 @@ double usual(const std::vector<double>& values) {
   const std::size_t stride = std::max<std::size_t>(1, values.size() / 16384);
   for (std::size_t k = 0; k < values.size(); k += stride) some.push_back(std::abs(values[k]));
   return quantile(some, 0.98);
+}
+
+/// Of the object's box, spacings.
+double longest_side(const ObjectMesh& mesh) {
+  Eigen::AlignedBox3f box;
+  for (const Eigen::Vector3f& place : mesh.place) box.extend(place);
+  return std::max(1.0, static_cast<double>(box.sizes().maxCoeff()));
 }
 
 std::vector<double> heights(const ObjectView& object, Legend& legend) {
@@ -79,23 +89,77 @@ std::optional<std::size_t> front_node(const ReliefData& front, const Eigen::Vect
   return k;
 }
 
-std::vector<double> textures(const ObjectView& object, Legend& legend) {
-  std::vector<double> values(object.finest().texture_m.begin(), object.finest().texture_m.end()), known;
+/// Millimetres of metres, and the size that all but 2 % of the known ones have.
+std::vector<double> in_mm(const std::vector<float>& values_m, double& high) {
+  std::vector<double> values(values_m.begin(), values_m.end()), known;
   for (double& value : values) value *= 1e3;
   std::ranges::copy_if(values, std::back_inserter(known), [](double value) { return std::isfinite(value); });
+  high = std::max(known.empty() ? 0.0 : usual(known), 1e-6);
+  return values;
+}
+
+std::vector<double> textures(const ObjectView& object, Legend& legend) {
+  std::vector<double> values = in_mm(object.finest().texture_m, legend.high);
   legend.unit = "mm";
   legend.map = ColourMap::diverging;
-  legend.high = std::max(known.empty() ? 0.0 : usual(known), 1e-6);
   legend.low = -legend.high;
   return values;
+}
+
+std::vector<double> errors(const ObjectView& object, Legend& legend) {
+  std::vector<double> values = in_mm(object.finest().error_m, legend.high);
+  legend.unit = "mm";
+  return values;
+}
+
+/// How far the surface lies before its form: the mean of what is about a place, along its normal. As wide as that of a
+/// front view: two means over a fortieth of the object to either side.
+std::vector<double> local_relief(const ObjectView& object, const scene::Charts& charts, Legend& legend) {
+  constexpr double kSigma = 0.816 / 40.0;
+  const ObjectMesh& mesh = object.finest();
+  const double sigma_m = kSigma * charts.spacing_m * longest_side(mesh);
+  const scene::Envelope form(sigma_m, std::numeric_limits<double>::infinity());
+  const double reach_m = std::max(scene::Envelope::reach_m(sigma_m), charts.spacing_m);
+  const scene::SurfaceNodes nodes(charts, reach_m, scene::SurfaceNodes::stride_within(reach_m, charts.spacing_m),
+                                  [](const scene::Sheet&, std::size_t) { return 0.0; });
+  const auto place_m = [&](std::size_t v) { return Eigen::Vector3d(charts.spacing_m * mesh.place[v].cast<double>()); };
+  std::vector<std::pair<std::uint64_t, std::size_t>> order(mesh.place.size());
+  for (std::size_t v = 0; v < order.size(); ++v) order[v] = {scene::SurfaceNodes::key_of(nodes.cube_of(place_m(v))), v};
+  std::sort(order.begin(), order.end());
+  std::vector<double> values(mesh.place.size());
+  std::vector<scene::SurfaceNode> about;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const std::size_t v = order[k].second;
+    if (k == 0 || order[k].first != order[k - 1].first) nodes.near(nodes.cube_of(place_m(v)), about);
+    values[v] = 1e3 * form(place_m(v), mesh.normal[v].cast<double>(), about);
+  }
+  legend.unit = "mm";
+  legend.map = ColourMap::diverging;
+  std::vector<double> sizes = values;
+  for (double& size : sizes) size = std::abs(size);
+  legend.high = std::max(4.0 * median(sizes), 1e-6);
+  legend.low = -legend.high;
+  return values;
+}
+
+Paint coverage(const ObjectView& object) {
+  const std::vector<bool>& measured = object.finest().measured;
+  Paint paint;
+  for (const bool is_measured : measured) {
+    const auto& colour = is_measured ? kMeasuredColour : kFilledColour;
+    paint.rgba.insert(paint.rgba.end(), {colour[0], colour[1], colour[2], 255});
+  }
+  const auto count = static_cast<std::size_t>(std::count(measured.begin(), measured.end(), true));
+  paint.legend.title = name_of(ColourMode::coverage);
+  paint.legend.swatches = {coverage_swatch("measured", count, measured.size(), kMeasuredColour),
+                           coverage_swatch("continued", measured.size() - count, measured.size(), kFilledColour)};
+  return paint;
 }
 
 /// As a hand feels it that has the whole object in the workspace.
 std::vector<double> frictions(const ObjectView& object, const ObjectSource& source, Legend& legend) {
   const ObjectMesh& mesh = object.finest();
-  Eigen::AlignedBox3f box;
-  for (const Eigen::Vector3f& place : mesh.place) box.extend(place);
-  const double size_m = object.spacing_m() * std::max(1.0, static_cast<double>(box.sizes().maxCoeff()));
+  const double size_m = object.spacing_m() * longest_side(mesh);
   const scene::FrictionLaw law(source.description, source.workspace_m / size_m, source.workspace_m);
   std::vector<double> values(mesh.place.size());
   for (std::size_t v = 0; v < values.size(); ++v) {
@@ -112,12 +176,17 @@ bool is_own(const ObjectView& object, const ObjectSource& source, ColourMode mod
     case ColourMode::height:
     case ColourMode::slope:
     case ColourMode::curvature:
+    case ColourMode::coverage:
     case ColourMode::sky_view:
       return true;
+    case ColourMode::local_relief:
+      return source.description.charts != nullptr;
     case ColourMode::scan:
       return !object.finest().colour_rgba.empty() || !object.finest().intensity.empty();
     case ColourMode::texture:
       return !object.finest().texture_m.empty();
+    case ColourMode::error:
+      return !object.finest().error_m.empty();
     case ColourMode::friction:
       return source.description.config.friction.has_value();
     default:
@@ -133,8 +202,12 @@ std::vector<double> values_of(const ObjectView& object, const ObjectSource& sour
       return slopes(object, legend);
     case ColourMode::curvature:
       return curvatures(object, legend);
+    case ColourMode::local_relief:
+      return local_relief(object, *source.description.charts, legend);
     case ColourMode::texture:
       return textures(object, legend);
+    case ColourMode::error:
+      return errors(object, legend);
     case ColourMode::friction:
       return frictions(object, source, legend);
     default:
@@ -166,6 +239,7 @@ Paint front_colours(const ObjectView& object, const ObjectSource& source) {
 Paint paint_object(const ObjectView& object, const ObjectSource& source, ColourMode mode) {
   if (mode == ColourMode::relief) return {};
   if (!is_own(object, source, mode)) return front_colours(object, source);
+  if (mode == ColourMode::coverage) return coverage(object);
   if (mode == ColourMode::scan) return paint_as_scanned(object.finest().colour_rgba, object.finest().intensity);
   Paint paint;
   const std::size_t count = object.finest().place.size();

@@ -136,6 +136,7 @@ class Drawing {
     if (!source.curvature_per_m.empty()) sheet.bend_per_m.assign(count, kNone);
     if (!source.colour_rgba.empty()) sheet.colour_rgba.assign(count, 0);
     if (!source.intensity.empty()) sheet.intensity.assign(count, kNone);
+    if (!source.error_m.empty()) sheet.error_m.assign(count, kNone);
     const double scale = 1.0 / spacing_m;
     for (int j = 0; j < source.ny; ++j)
       for (int i = 0; i < source.nx; ++i) {
@@ -150,6 +151,7 @@ class Drawing {
         if (!source.curvature_per_m.empty()) sheet.bend_per_m[to] = source.curvature_per_m[from];
         if (!source.colour_rgba.empty()) sheet.colour_rgba[to] = source.colour_rgba[from];
         if (!source.intensity.empty()) sheet.intensity[to] = source.intensity[from];
+        if (!source.error_m.empty()) sheet.error_m[to] = source.error_m[from];
       }
     for (int ring = 0; ring < kRings; ++ring) add_ring(sheet);
     return sheet;
@@ -209,7 +211,7 @@ class Drawing {
         if (weight > 0.0F && high - low < kAgree) added.push_back({k, height / weight, su / weight, sv / weight});
       }
     for (const New& n : added) {
-      for (std::vector<float>* values : {&sheet.texture_m, &sheet.bend_per_m, &sheet.intensity})
+      for (std::vector<float>* values : {&sheet.texture_m, &sheet.bend_per_m, &sheet.intensity, &sheet.error_m})
         if (!values->empty()) (*values)[n.node] = mean_about(sheet, *values, n.node);
       if (!sheet.colour_rgba.empty()) sheet.colour_rgba[n.node] = colour_about(sheet, n.node);
       sheet.node[n.node] = Node::continued;

@@ -34,6 +34,7 @@ struct DrawnSheet {
   std::vector<float> bend_per_m;           ///< curvature of the texture; NaN also where nothing tells it
   std::vector<std::uint32_t> colour_rgba;  ///< likewise; 0 where there is none
   std::vector<float> intensity;            ///< likewise
+  std::vector<float> error_m;              ///< likewise
   std::vector<std::uint8_t> cell;          ///< 1: measured; 2: measured and drawn; 3: continued and drawn
   std::vector<Eigen::Vector3f> moved;      ///< object frame: places of `met` nodes, in the order of their index
 

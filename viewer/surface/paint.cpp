@@ -29,8 +29,6 @@ double typical(const std::vector<double>& values, double share) {
   return some.empty() ? 0.0 : quantile(some, share);
 }
 
-constexpr std::array<std::uint8_t, 3> kMeasured{206, 190, 164}, kFilled{46, 126, 190};
-
 Paint coverage(const ReliefData& relief) {
   Paint paint;
   const std::size_t count = relief.lattice.count();
@@ -41,15 +39,12 @@ Paint coverage(const ReliefData& relief) {
     const bool is_filled = state == scene::NodeState::filled;
     filled += is_filled ? 1 : 0;
     measured += state != scene::NodeState::unknown && !is_filled ? 1 : 0;
-    const auto& colour = is_filled ? kFilled : kMeasured;
+    const auto& colour = is_filled ? kFilledColour : kMeasuredColour;
     std::copy(colour.begin(), colour.end(), paint.rgba.begin() + static_cast<std::ptrdiff_t>(4 * k));
   }
-  const auto share = [&](std::size_t nodes) {
-    return 100.0 * static_cast<double>(nodes) / static_cast<double>(std::max<std::size_t>(count, 1));
-  };
-  paint.legend.title = "Coverage";
-  paint.legend.swatches = {{fmt::format("measured {:.1f} %", share(measured)), kMeasured},
-                           {fmt::format("filled {:.1f} %", share(filled)), kFilled}};
+  paint.legend.title = name_of(ColourMode::coverage);
+  paint.legend.swatches = {coverage_swatch("measured", measured, count, kMeasuredColour),
+                           coverage_swatch("filled", filled, count, kFilledColour)};
   return paint;
 }
 
@@ -217,6 +212,12 @@ bool has_mode(const scene::SceneDescription& description, ColourMode mode) {
     default:
       return true;
   }
+}
+
+Legend::Swatch coverage_swatch(const char* name, std::size_t count, std::size_t of,
+                               const std::array<std::uint8_t, 3>& colour) {
+  const double share = static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(of, 1));
+  return {fmt::format("{} {:.1f} %", name, 100.0 * share), colour};
 }
 
 Paint paint_as_scanned(const std::vector<std::uint32_t>& colour_rgba, const std::vector<float>& intensity) {

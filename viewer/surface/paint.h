@@ -37,6 +37,12 @@ struct Paint {
   Legend legend;
 };
 
+/// Of ColourMode::coverage: what was measured, and what was made up.
+inline constexpr std::array<std::uint8_t, 3> kMeasuredColour{206, 190, 164}, kFilledColour{46, 126, 190};
+/// "measured 97.0 %".
+[[nodiscard]] Legend::Swatch coverage_swatch(const char* name, std::size_t count, std::size_t of,
+                                             const std::array<std::uint8_t, 3>& colour);
+
 /// True when the scene has what the mode shows.
 [[nodiscard]] bool has_mode(const scene::SceneDescription& description, ColourMode mode);
 /// Colours of the scans as they are (0xAABBGGRR, 0: none), or where there are none their intensities as greys, whose

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -265,6 +266,53 @@ TEST_F(AroundBuild, TextureAndItsCurvatureAreLayersOfAllSheets) {
   EXPECT_TRUE(scene::open_scene(folder_ / "grid")->description().config.parts.empty());
 }
 
+// As of a scanner that stood near one side: points at one end are 50 times as dense as at the other.
+TEST_F(AroundBuild, PointsThatAreTooUnevenAreThinnedAndItIsSaid) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  const auto on_torus = [&](double tube_m) {
+    for (;;) {
+      const double a = 6.283185307179586 * unit(random), b = 6.283185307179586 * unit(random);
+      if (unit(random) * (kRing_m + kTube_m) > kRing_m + kTube_m * std::cos(b)) continue;
+      const double r = kRing_m + tube_m * std::cos(b);
+      return Vector3d(kCentre_m + Vector3d(r * std::cos(a), r * std::sin(a), tube_m * std::sin(b)));
+    }
+  };
+  std::string text;
+  for (int k = 0; k < 4 * kPoints;) {
+    const Vector3d p = on_torus(kTube_m + 0.1 * kSpacing_m * (2.0 * unit(random) - 1.0));
+    const double along = 0.5 + 0.5 * (p - kCentre_m).x() / (kRing_m + kTube_m);
+    if (unit(random) > std::pow(50.0, -along)) continue;
+    for (int axis = 0; axis < 3; ++axis) text += std::to_string(p[axis]) + (axis < 2 ? ' ' : '\n');
+    ++k;
+  }
+  write_file(folder_ / "near.xyz", text);
+  const BuildResult built = build("around: {}\ngrid: {spacing_mm: 8}\n", 2, "scene", {}, "near.xyz");
+  EXPECT_THAT(built.report.warnings, ::testing::Contains(::testing::HasSubstr("they are thinned to one a cube of")));
+  const scene::Charts& charts = *built.scene->description().charts;
+  const Eigen::Matrix4d& m = built.scene->description().scan_from_grid;
+  std::vector<Vector3d> nodes;
+  double worst_m = 0.0;
+  for (const scene::Sheet& sheet : charts.sheets)
+    for (int j = 0; j < sheet.ny; ++j)
+      for (int i = 0; i < sheet.nx; ++i) {
+        if (!sheet.measured(sheet.index(i, j))) continue;
+        const Vector3d grid_m = charts.origin_m + charts.place_m(sheet, i, j);
+        nodes.emplace_back(m.topLeftCorner<3, 3>() * grid_m + m.topRightCorner<3, 1>());
+        const Vector3d ring = ring_to(nodes.back());
+        worst_m = std::max(worst_m, std::abs(ring.norm() - kTube_m));
+        EXPECT_GT((m.topLeftCorner<3, 3>() * scene::Charts::normal(sheet, i, j)).dot(ring), 0.0);
+      }
+  EXPECT_LT(worst_m, kSpacing_m);
+  int covered = 0;
+  constexpr int kAsked = 2000;
+  for (int k = 0; k < kAsked; ++k) {
+    const Vector3d place = on_torus(kTube_m);
+    covered += std::ranges::any_of(nodes, [&](const Vector3d& node) { return (node - place).norm() < 0.006; }) ? 1 : 0;
+  }
+  EXPECT_GE(covered, kAsked * 995 / 1000);
+}
+
 TEST_F(AroundBuild, RefusesWhatItCannotDo) {
   BuildOptions small;
   small.memory_points = 1000;
@@ -277,7 +325,7 @@ TEST_F(AroundBuild, RefusesWhatItCannotDo) {
 }
 
 TEST_F(AroundBuild, DamagedChartsAreBadInput) {
-  static_cast<void>(build("around: {}\n"));
+  const BuildResult built = build("around: {}\n");
   const fs::path file = folder_ / "scene" / "charts.bin";
   const std::string whole = bytes("scene/charts.bin");
   const auto expect_refused = [&](const std::string& text, const std::string& what) {
@@ -300,9 +348,11 @@ TEST_F(AroundBuild, DamagedChartsAreBadInput) {
   };
   expect_refused(changed(0, 'x'), "another mark");
   expect_refused(changed(21, 1), "another number of sheets");
-  expect_refused(changed(24, 9), "a seventh side");
-  expect_refused(changed(39, 127), "a huge sheet");
-  expect_refused(changed(whole.size() - 1, 7), "an unknown bit of a mask");
+  expect_refused(changed(24, 64), "an unknown layer");
+  expect_refused(changed(28, 9), "a seventh side");
+  expect_refused(changed(43, 127), "a huge sheet");
+  const std::size_t errors = sizeof(float) * built.scene->description().charts->sheets.back().count();
+  expect_refused(changed(whole.size() - errors - 1, 7), "an unknown bit of a mask");
   write_file(file, whole);
   EXPECT_TRUE(scene::open_scene(folder_ / "scene")->description().charts);
   fs::remove(file);

@@ -15,6 +15,7 @@
 
 #include "base/error.h"
 #include "base/files/files.h"
+#include "base/yaml/yaml.h"
 #include "pipeline/build/build.h"
 #include "pipeline/scan/inspect.h"
 #include "pipeline/scan/reader.h"
@@ -108,6 +109,27 @@ class Suggested : public ::testing::Test {
   const test::TestFolder folder_;
   Suggestion suggestion_;
 };
+
+TEST_F(Suggested, ALineThatIsNoCommentAnyMoreBuildsAllSidesOfASolidObject) {
+  Points points = shell(20'000, {0.3, 0.2, 0.6}, 0.1);
+  for (const Eigen::Vector3d& p : shell(40'000, {0.3, 0.2, 0.3}, 0.2)) points.push_back(p);
+  std::erase_if(points, [](const Eigen::Vector3d& p) {
+    return (p - Eigen::Vector3d(0.3, 0.2, 0.3)).norm() < 0.199 || (p - Eigen::Vector3d(0.3, 0.2, 0.6)).norm() < 0.0995;
+  });
+  Progress progress;
+  suggestion_ = suggest_config({write(points)}, {}, progress);
+  EXPECT_FALSE(suggestion_.config.around);
+  const std::string hint = "# around: {}  #";
+  const std::size_t at = suggestion_.yaml.find(hint);
+  ASSERT_NE(at, std::string::npos) << suggestion_.yaml;
+  suggestion_.config =
+      scene::parse_config(yaml::parse_text(suggestion_.yaml.erase(at, 2), "the suggested configuration"), {});
+  const BuildResult built = build_suggested();
+  ASSERT_TRUE(built.report.around);
+  EXPECT_GT(built.report.around->nodes, 20'000U);
+
+  EXPECT_EQ(suggest_config({write(relief(20'000, 1e-4))}, {}, progress).yaml.find(hint), std::string::npos);
+}
 
 // Of few points, and of so many that they are gone through in blocks.
 TEST_F(Suggested, ScanColoursAreKeptWhereThereIsMoreThanOne) {

@@ -447,6 +447,55 @@ TEST(WholePicture, HasTheScansColoursOnAllSides) {
                 {{{40, 40, 40}, {255, 255, 255}}});
 }
 
+// Half the sum of the principal curvatures times sigma squared is what a Gaussian mean cuts off.
+TEST(WholePicture, HasLocalReliefCoverageAndDistancesOfItsOwn) {
+  scene::Charts charts = charts_of(*sparsha::test::make_torus(Eigen::Matrix3d::Identity()), 40'000, 0.0);
+  for (scene::Sheet& sheet : charts.sheets) sheet.error_m.assign(sheet.count(), 0.002F);
+  const gl::OffscreenContext context;
+  Exhibit exhibit(charts);
+  const scene::ScenePointer scene =
+      sparsha::test::scene_of([](double, double) { return 0.0; }, sparsha::test::SceneOptions{},
+                              [&](scene::SceneDescription& description) {
+                                description.charts = std::make_shared<const scene::Charts>(charts);
+                              });
+  const Paint nothing;
+  const ReliefData front;
+  const ObjectSource source{scene->description(), 0.1, front, nothing};
+  const ObjectView& view = exhibit.view();
+  const Paint relief = paint_object(view, source, ColourMode::local_relief);
+  ASSERT_EQ(relief.rgba.size(), 4 * view.finest().place.size());
+  constexpr double kRing = 1.0, kTube = 0.4, kSigma = 0.816 / 40.0 * 2.0 * (kRing + kTube);
+  std::array<double, 2> off{}, count{};  // levels; on the inner side of the ring and on the outer one
+  for (std::size_t v = 0; v < view.finest().place.size(); ++v) {
+    const Eigen::Vector3d normal = view.finest().normal[v].cast<double>();
+    const Eigen::Vector3d place = view.place_m(v);
+    const double towards = place.head<2>().normalized().dot(normal.head<2>());
+    if (std::abs(towards) < 0.95) continue;
+    const double ring = kRing + kTube * towards;
+    const double value = 1e3 * 0.5 * (1.0 / kTube + towards / ring) * kSigma * kSigma;
+    const auto want =
+        colour_of(relief.legend.map, (value - relief.legend.low) / (relief.legend.high - relief.legend.low));
+    const std::size_t side = towards > 0.0 ? 1 : 0;
+    for (std::size_t c = 0; c < 3; ++c) off[side] += (relief.rgba[4 * v + c] - static_cast<double>(want[c])) / 3.0;
+    count[side] += 1.0;
+  }
+  for (const std::size_t side : {0U, 1U}) {
+    ASSERT_GT(count[side], 500.0);
+    EXPECT_LT(std::abs(off[side] / count[side]), 6.0) << (side == 0 ? "inner" : "outer");
+  }
+
+  const Paint coverage = paint_object(view, source, ColourMode::coverage);
+  ASSERT_EQ(coverage.legend.swatches.size(), 2U);
+  EXPECT_EQ(coverage.legend.swatches[0].name.find("measured 9"), 0U) << coverage.legend.swatches[0].name;
+  EXPECT_EQ(coverage.legend.swatches[1].name.find("continued "), 0U);
+  const Paint distance = paint_object(view, source, ColourMode::error);
+  EXPECT_NEAR(distance.legend.high, 2.0, 1e-6);
+  EXPECT_EQ(distance.legend.unit, "mm");
+  for (std::size_t v = 0; v < view.finest().place.size(); ++v) ASSERT_EQ(distance.rgba[4 * v + 3], 255);
+  for (const Paint* paint : {&relief, &coverage, &distance})
+    EXPECT_EQ(paint->legend.title.find("front"), std::string::npos);
+}
+
 // Charts that hold no cell leave the front view in the picture.
 TEST(WholePicture, WithoutCellsIsTheFrontView) {
   scene::Charts charts;
