@@ -9,6 +9,7 @@
 
 #include <Eigen/LU>
 
+#include "base/error.h"
 #include "base/text/text.h"
 #include "pipeline/build/measured_points.h"
 #include "pipeline/charts/sheet_attributes.h"
@@ -55,6 +56,9 @@ ChartResult charts_of_any(const Cloud& cloud, const Eigen::Matrix4d& scan_to_gri
       return result;
     } catch (const UnevenPoints&) {
       continue;
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::input) throw;
+      break;  // voxels as wide as walls are thick leave no surface
     }
   }
   throw UnevenPoints(*uneven);

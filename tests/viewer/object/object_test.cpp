@@ -484,10 +484,23 @@ TEST(WholePicture, HasLocalReliefCoverageAndDistancesOfItsOwn) {
     EXPECT_LT(std::abs(off[side] / count[side]), 6.0) << (side == 0 ? "inner" : "outer");
   }
 
+  // Nothing is continued of what has no edges; along those of a cube the sheets go on to where they meet.
   const Paint coverage = paint_object(view, source, ColourMode::coverage);
   ASSERT_EQ(coverage.legend.swatches.size(), 2U);
-  EXPECT_EQ(coverage.legend.swatches[0].name.find("measured 9"), 0U) << coverage.legend.swatches[0].name;
-  EXPECT_EQ(coverage.legend.swatches[1].name.find("continued "), 0U);
+  EXPECT_EQ(coverage.legend.swatches[0].name, "measured 100.0 %");
+  Exhibit cube(charts_of(*sparsha::test::make_box({0.6, 0.6, 0.6}, Eigen::Matrix3d::Identity()), 20'000, 0.1));
+  const Paint of_cube = paint_object(cube.view(), source, ColourMode::coverage);
+  std::size_t continued = 0;
+  const std::vector<Eigen::Vector3f>& vertices = cube.view().finest().place;
+  for (std::size_t v = 0; v < vertices.size(); ++v) {
+    if (of_cube.rgba[4 * v + 2] != kFilledColour[2]) continue;
+    ++continued;
+    Eigen::Vector3d place = cube.view().place_m(v).cwiseAbs();
+    std::sort(place.begin(), place.end());
+    EXPECT_GT(place[1], 0.6 - 4.0 * cube.spacing_m());
+  }
+  EXPECT_GT(continued, 100U);
+  EXPECT_LT(continued, vertices.size() / 5);
   const Paint distance = paint_object(view, source, ColourMode::error);
   EXPECT_NEAR(distance.legend.high, 2.0, 1e-6);
   EXPECT_EQ(distance.legend.unit, "mm");
