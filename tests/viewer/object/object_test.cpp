@@ -165,6 +165,16 @@ Judged judge(const ClosedObject& object, const Exhibit& exhibit, double outline_
   return judged;
 }
 
+/// With friction, and a front view without any height.
+scene::ScenePointer flat_scene(const scene::Charts& charts) {
+  return sparsha::test::scene_of([](double, double) { return 0.0; }, sparsha::test::SceneOptions{},
+                                 [&](scene::SceneDescription& description) {
+                                   description.charts = std::make_shared<const scene::Charts>(charts);
+                                   description.config.friction.emplace();
+                                   description.friction_c_m = 0.005;
+                                 });
+}
+
 struct Shape {
   std::string name;
   ObjectPtr object;
@@ -371,13 +381,7 @@ TEST(WholePicture, TextureAndFrictionAreShownOnAllSides) {
   }
   const gl::OffscreenContext context;
   Exhibit exhibit(charts);
-  const scene::ScenePointer scene =
-      sparsha::test::scene_of([](double, double) { return 0.0; }, sparsha::test::SceneOptions{},
-                              [&](scene::SceneDescription& description) {
-                                description.charts = std::make_shared<const scene::Charts>(charts);
-                                description.config.friction.emplace();
-                                description.friction_c_m = 0.005;
-                              });
+  const scene::ScenePointer scene = flat_scene(charts);
   const Paint nothing;
   const ReliefData front;
   for (const ColourMode mode : {ColourMode::texture, ColourMode::friction}) {
@@ -412,8 +416,7 @@ TEST(WholePicture, HasTheScansColoursOnAllSides) {
               (charts.origin_m + charts.place_m(sheet, i, j)).x() > 0.0 ? 0xFF0000C8U : 0xFFC80000U;
   }
   const gl::OffscreenContext context;
-  const scene::ScenePointer scene =
-      sparsha::test::scene_of([](double, double) { return 0.0; }, sparsha::test::SceneOptions{});
+  const scene::ScenePointer scene = flat_scene(charts);
   const Paint nothing;
   const ReliefData front;
   const auto expect_halves = [&](Exhibit& exhibit, const Paint& paint, const std::array<std::array<int, 3>, 2>& want) {
@@ -453,11 +456,7 @@ TEST(WholePicture, HasLocalReliefCoverageAndDistancesOfItsOwn) {
   for (scene::Sheet& sheet : charts.sheets) sheet.error_m.assign(sheet.count(), 0.002F);
   const gl::OffscreenContext context;
   Exhibit exhibit(charts);
-  const scene::ScenePointer scene =
-      sparsha::test::scene_of([](double, double) { return 0.0; }, sparsha::test::SceneOptions{},
-                              [&](scene::SceneDescription& description) {
-                                description.charts = std::make_shared<const scene::Charts>(charts);
-                              });
+  const scene::ScenePointer scene = flat_scene(charts);
   const Paint nothing;
   const ReliefData front;
   const ObjectSource source{scene->description(), 0.1, front, nothing};
