@@ -79,12 +79,44 @@ constexpr std::string_view kRelations =
 </Relationships>
 )";
 
+/// The different colours of a mesh's vertices, as the format numbers them.
+class Palette {
+ public:
+  explicit Palette(const PrintedMesh& mesh) {
+    if (!mesh.has_colours()) return;
+    colours_.reserve(mesh.vertices());
+    for (std::uint32_t i = 0; i < mesh.vertices(); ++i) colours_.push_back(shown(mesh.colour(i)));
+    std::sort(colours_.begin(), colours_.end());
+    colours_.erase(std::unique(colours_.begin(), colours_.end()), colours_.end());
+  }
+  [[nodiscard]] bool empty() const { return colours_.empty(); }
+  void write(Part& part) const {
+    part.write("<m:colorgroup id=\"2\">\n");
+    for (const std::uint32_t rgb : colours_)
+      part.write(fmt::format("<m:color color=\"#{:02X}{:02X}{:02X}\"/>\n", rgb & 0xFFU, rgb >> 8U & 0xFFU, rgb >> 16U));
+    part.write("</m:colorgroup>\n");
+  }
+  [[nodiscard]] std::size_t number(std::uint32_t rgba) const {
+    return static_cast<std::size_t>(std::lower_bound(colours_.begin(), colours_.end(), shown(rgba)) - colours_.begin());
+  }
+
+ private:
+  static std::uint32_t shown(std::uint32_t rgba) { return rgba == 0 ? 0xFFFFFFU : rgba & 0xFFFFFFU; }
+  std::vector<std::uint32_t> colours_;  // rising
+};
+
 void write_model(const PrintedMesh& solid, Part& part, Progress& progress) {
-  part.write(std::string("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-                         "<model unit=\"millimeter\" xml:lang=\"en-US\" "
-                         "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n"
-                         "<resources><object id=\"1\" type=\"model\" name=\"") +
-             solid.name() + "\"><mesh><vertices>\n");
+  const Palette palette(solid);
+  part.write(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+      "<model unit=\"millimeter\" xml:lang=\"en-US\" "
+      "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\"");
+  if (!palette.empty()) part.write(" xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\"");
+  part.write(">\n<resources>");
+  if (!palette.empty()) palette.write(part);
+  part.write("<object id=\"1\" type=\"model\" name=\"" + solid.name() + "\"");
+  if (!palette.empty()) part.write(" pid=\"2\" pindex=\"0\"");  // asked for where triangles have properties
+  part.write("><mesh><vertices>\n");
   constexpr std::uint32_t kLook = 1U << 14U;
   for (std::uint32_t i = 0; i < solid.vertices(); ++i) {
     if (i % kLook == 0) progress.at(0.3 * i / solid.vertices());
@@ -94,7 +126,11 @@ void write_model(const PrintedMesh& solid, Part& part, Progress& progress) {
   part.write("</vertices><triangles>\n");
   solid.for_each_triangle(
       [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-        part.write(fmt::format("<triangle v1=\"{}\" v2=\"{}\" v3=\"{}\"/>\n", a, b, c));
+        part.write(fmt::format("<triangle v1=\"{}\" v2=\"{}\" v3=\"{}\"", a, b, c));
+        if (!palette.empty())
+          part.write(fmt::format(" pid=\"2\" p1=\"{}\" p2=\"{}\" p3=\"{}\"", palette.number(solid.colour(a)),
+                                 palette.number(solid.colour(b)), palette.number(solid.colour(c))));
+        part.write("/>\n");
       },
       [&](double share) { progress.at(0.3 + 0.7 * share); });
   part.write("</triangles></mesh></object></resources>\n<build><item objectid=\"1\"/></build>\n</model>\n");

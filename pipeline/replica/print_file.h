@@ -27,6 +27,9 @@ class PrintedMesh {
   [[nodiscard]] virtual std::uint32_t vertices() const = 0;
   [[nodiscard]] virtual std::uint64_t triangles() const = 0;
   [[nodiscard]] virtual PointMm vertex(std::uint32_t number) const = 0;
+  [[nodiscard]] virtual bool has_colours() const { return false; }
+  /// 0xAABBGGRR; 0: none.
+  [[nodiscard]] virtual std::uint32_t colour(std::uint32_t /*number*/) const { return 0; }
   virtual void for_each_triangle(const ForTriangle& triangle, const ForShare& row) const = 0;
 
  protected:
@@ -35,7 +38,8 @@ class PrintedMesh {
   PrintedMesh& operator=(const PrintedMesh&) = default;
 };
 
-/// As STL or 3MF, told by the ending of `shown`, the name in messages. The same mesh gives the same bytes. Throws
+/// As STL or 3MF, told by the ending of `shown`, the name in messages. Colours go to 3MF, white where a vertex has none
+/// (3MF Materials and Properties Extension 1.2.1). The same mesh gives the same bytes. Throws
 /// Error{failure} when the file cannot be written.
 void write_print_file(const PrintedMesh& mesh, const std::filesystem::path& file, const std::string& shown,
                       Progress& progress);

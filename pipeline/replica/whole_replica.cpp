@@ -2,6 +2,9 @@
 #include "pipeline/replica/whole_replica.h"
 
 #include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -9,6 +12,7 @@
 #include "pipeline/replica/print_file.h"
 #include "pipeline/replica/replica.h"
 #include "pipeline/solid/closed_mesh.h"
+#include "pipeline/solid/vertex_colours.h"
 #include "scene/scene.h"
 
 namespace sparsha::pipeline {
@@ -18,7 +22,9 @@ constexpr double kCoarse_mm = 1.0;  // between nodes in print, from which facets
 
 class StandingMesh : public PrintedMesh {
  public:
-  StandingMesh(const ClosedMesh& mesh, double longest_mm) : mesh_(mesh) {
+  /// `colours`: one a vertex, or none.
+  StandingMesh(const ClosedMesh& mesh, std::vector<std::uint32_t> colours, double longest_mm)
+      : mesh_(mesh), colours_(std::move(colours)) {
     Eigen::Vector3f low = standing(mesh.vertices_m.front()), high = low;
     for (const Eigen::Vector3f& p : mesh.vertices_m) {
       low = low.cwiseMin(standing(p));
@@ -37,6 +43,8 @@ class StandingMesh : public PrintedMesh {
     const Eigen::Vector3f p = ((standing(mesh_.vertices_m[number]).cast<double>() - foot_) * mm_per_m_).cast<float>();
     return {p.x(), p.y(), p.z()};
   }
+  [[nodiscard]] bool has_colours() const override { return !colours_.empty(); }
+  [[nodiscard]] std::uint32_t colour(std::uint32_t number) const override { return colours_[number]; }
   void for_each_triangle(const ForTriangle& triangle, const ForShare& row) const override {
     constexpr std::size_t kRow = 1U << 16U;
     for (std::size_t k = 0; k < mesh_.triangles.size(); ++k) {
@@ -54,6 +62,7 @@ class StandingMesh : public PrintedMesh {
   static Eigen::Vector3f standing(const Eigen::Vector3f& grid) { return {grid.x(), -grid.z(), grid.y()}; }
 
   const ClosedMesh& mesh_;
+  std::vector<std::uint32_t> colours_;
   double mm_per_m_ = 1.0;
   Eigen::Vector3d foot_, size_mm_;
 };
@@ -92,7 +101,9 @@ WholeReplicaReport export_whole_replica(const scene::Scene& scene, const std::fi
   context.progress.begin("mesh");
   const scene::SceneDescription& description = scene.description();
   const ClosedMesh closed = make_closed_mesh(*description.charts, Holes::close, context);
-  const StandingMesh mesh(closed, longest_mm);
+  std::vector<std::uint32_t> colours;
+  if (has_colours(*description.charts)) colours = vertex_colours(*description.charts, closed.vertices_m, context);
+  const StandingMesh mesh(closed, std::move(colours), longest_mm);
   context.progress.begin("replica");
   AtomicPath target(file);
   write_print_file(mesh, target.temporary(), file.string(), context.progress);

@@ -19,6 +19,8 @@
 #include <utility>
 #include <vector>
 
+#include <minizip/unzip.h>
+
 #include "base/error.h"
 #include "pipeline/replica/braille.h"
 #include "pipeline/replica/whole_replica.h"
@@ -293,6 +295,67 @@ TEST(WholeReplica, StandsUprightClosedAndInScale) {
   EXPECT_THROW((void)export_whole_replica(*ball, folder / "ball.stl", 5.0, {pool, progress}), Error);
   static_cast<void>(export_whole_replica(*ball, folder / "ball.3mf", 150.0, {pool, progress}));
   EXPECT_GT(fs::file_size(folder / "ball.3mf"), 10'000U);
+}
+
+/// The text of a part of a package, by another library than what wrote it.
+std::string part_of(const fs::path& file, const char* name) {
+  const unzFile package = unzOpen64(file.c_str());
+  std::string text;
+  if (package != nullptr && unzLocateFile(package, name, 1) == UNZ_OK && unzOpenCurrentFile(package) == UNZ_OK) {
+    std::array<char, 65536> piece{};
+    for (int got = 0; (got = unzReadCurrentFile(package, piece.data(), static_cast<unsigned>(piece.size()))) > 0;)
+      text.append(piece.data(), static_cast<std::size_t>(got));
+    unzCloseCurrentFile(package);
+  }
+  unzClose(package);
+  return text;
+}
+
+/// What follows `before` in a text, each time.
+std::vector<std::string> all_after(const std::string& text, const std::string& before) {
+  std::vector<std::string> found;
+  for (std::size_t at = 0; (at = text.find(before, at)) != std::string::npos;) {
+    at += before.size();
+    found.push_back(text.substr(at, text.find('"', at) - at));
+  }
+  return found;
+}
+
+// Red where x is positive, else blue, and white where no colour is known: at the top.
+TEST(WholeReplica, HasTheScansColoursIn3mf) {
+  scene::Charts charts = test::ball_charts(0.05, 0.0031, {0.1, -0.2, 0.3});
+  for (scene::Sheet& sheet : charts.sheets) {
+    sheet.colour_rgba.assign(sheet.count(), 0);
+    for (int j = 0; j < sheet.ny; ++j)
+      for (int i = 0; i < sheet.nx; ++i)
+        if (sheet.measured(sheet.index(i, j)) && charts.place_m(sheet, i, j).y() < 0.03)
+          sheet.colour_rgba[sheet.index(i, j)] = charts.place_m(sheet, i, j).x() > 0.0 ? 0xFF0000FFU : 0xFFFF0000U;
+  }
+  const sparsha::test::TestFolder folder;
+  ThreadPool pool(2);
+  Progress progress;
+  const scene::ScenePointer scene = test::scene_of_charts(std::move(charts), Eigen::Matrix4d::Identity(), 0.05);
+  static_cast<void>(export_whole_replica(*scene, folder / "ball.3mf", 100.0, {pool, progress}));
+  const std::string model = part_of(folder / "ball.3mf", "3D/3dmodel.model");
+  const std::vector<std::string> palette = all_after(model, "<m:color color=\"");
+  const std::vector<std::string> x = all_after(model, "<vertex x=\""), corner = all_after(model, "<triangle v1=\""),
+                                 colour = all_after(model, " p1=\"");
+  ASSERT_EQ(corner.size(), colour.size());
+  ASSERT_GT(corner.size(), 3000U);
+  EXPECT_EQ(all_after(model, " pindex=\"").size(), 1U);
+  EXPECT_EQ(all_after(model, " z=\"").size(), x.size());
+  const std::vector<std::string> z = all_after(model, " z=\"");
+  std::map<std::string, int> seen;
+  for (std::size_t t = 0; t < corner.size(); ++t) {
+    const std::size_t v = std::stoul(corner[t]);
+    const std::string& shown = palette.at(std::stoul(colour[t]));
+    ++seen[shown];
+    // What has a colour is below 80 mm; a vertex takes that of a node up to 6 mm away.
+    if (std::stod(z.at(v)) > 88.0) EXPECT_EQ(shown, "#FFFFFF");
+    if (std::stod(z.at(v)) < 72.0 && std::abs(std::stod(x.at(v))) > 4.0)
+      EXPECT_EQ(shown, std::stod(x.at(v)) > 0.0 ? "#FF0000" : "#0000FF");
+  }
+  for (const char* of : {"#FFFFFF", "#FF0000", "#0000FF"}) EXPECT_GT(seen[of], 100) << of;
 }
 
 TEST(Replica, ThreeMfHoldsTheSameSolid) {
