@@ -227,7 +227,7 @@ std::vector<Pillar> find_pillars(const std::vector<Eigen::Vector3d>& points_m, P
   std::vector<Pillar> pillars;
   if (points_m.size() < 100) return pillars;
   const QuietPcl quiet;
-  const Eigen::Vector3d origin_m = points_m.front();
+  const Eigen::Vector3d& origin_m = points_m.front();
   auto points = std::make_shared<Points>();
   for (const Eigen::Vector3d& p : points_m) {
     const Eigen::Vector3f local = (p - origin_m).cast<float>();

@@ -351,9 +351,12 @@ TEST(WholeReplica, HasTheScansColoursIn3mf) {
     const std::string& shown = palette.at(std::stoul(colour[t]));
     ++seen[shown];
     // What has a colour is below 80 mm; a vertex takes that of a node up to 6 mm away.
-    if (std::stod(z.at(v)) > 88.0) EXPECT_EQ(shown, "#FFFFFF");
-    if (std::stod(z.at(v)) < 72.0 && std::abs(std::stod(x.at(v))) > 4.0)
+    if (std::stod(z.at(v)) > 88.0) {
+      EXPECT_EQ(shown, "#FFFFFF");
+    }
+    if (std::stod(z.at(v)) < 72.0 && std::abs(std::stod(x.at(v))) > 4.0) {
       EXPECT_EQ(shown, std::stod(x.at(v)) > 0.0 ? "#FF0000" : "#0000FF");
+    }
   }
   for (const char* of : {"#FFFFFF", "#FF0000", "#0000FF"}) EXPECT_GT(seen[of], 100) << of;
 }
