@@ -1,9 +1,6 @@
 // The charts of a whole object as a configuration asks for them, of points or of a mesh, and their cross-check.
 #pragma once
 
-#include <functional>
-#include <memory>
-
 #include <Eigen/Core>
 
 #include "base/threads/context.h"
@@ -20,9 +17,9 @@ inline constexpr double kPlacesOfSpacing = 0.8;
 /// Of a transform, in each direction.
 [[nodiscard]] double scale_of(const Eigen::Matrix4d& scan_to_grid);
 
-/// As make_charts(), with the attributes that `config` asks for; points that are too uneven are thinned, which is said.
-/// `grid` is its grid with what is known of it by now,
-/// `front_spacing_m` the spacing of the front view, which tells how densely a mesh is sampled.
+/// As make_charts(), with the attributes that `config` asks for; points that are too uneven are thinned, with a
+/// warning. `grid` is its grid with what is known of it by now; a mesh is sampled as densely as `front_spacing_m`, the
+/// spacing of the front view, asks for.
 [[nodiscard]] ChartResult charts_of(const Cloud& cloud, const Eigen::Matrix4d& scan_to_grid,
                                     const scene::GridConfig& grid, double front_spacing_m, const scene::Config& config,
                                     const Context& context);
