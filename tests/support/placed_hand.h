@@ -32,6 +32,18 @@ inline bool poll_until(Session& session, const std::function<bool()>& so) {
   });
 }
 
+/// Puts the hand down on level stone until `so`. A loop that was late gives no force until the hand has been in the air
+/// for a while: it comes down only where forces are delivered, and is lifted wherever they end.
+inline bool press_until(Session& session, Placed& hand, double x, double y, const std::function<bool()>& so) {
+  hand.put(x, y, 0.02);
+  if (!poll_until(session, [&] { return session.state().read().contact == 0; })) return false;
+  return poll_until(session, [&] {
+    if (so()) return true;
+    hand.put(x, y, (session.state().read().flags & kFlagArmed) != 0 ? -0.004 : 0.02);
+    return false;
+  });
+}
+
 inline std::vector<std::string> words(Session& session) {
   std::vector<std::string> result;
   for (const Announcement& a : session.announcements().since(0)) result.push_back(a.text);

@@ -142,34 +142,25 @@ TEST(Parts, OfAnyShapeAreSpokenWhereTheyAreTouched) {
   const test::TestFolder folder;
   const auto scene = test::els(folder / "labels.png");
   Placed hand;
-  const auto put = [&](double x_m, double y_m, double z_m) { hand.put(x_m - 0.05, y_m - 0.05, z_m); };
-  put(0.05, 0.05, 0.02);
   Session session(scene, make_pointer_device(hand.place), SessionOptions{});
   session.start();
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 100; }));
-  // A loop that was late gives no force until the hand has been in the air for a while, and without force nothing is
-  // told: the hand comes down only where forces are delivered, and is lifted wherever they end.
-  const auto touches_until = [&](double x_m, double y_m, const auto& so) {
-    put(x_m, y_m, 0.02);
-    return poll_until(session, [&] { return session.state().read().contact == 0; }) && poll_until(session, [&] {
-             const State now = session.state().read();
-             if (so(now)) return true;
-             put(x_m, y_m, (now.flags & kFlagArmed) != 0 ? -0.004 : 0.02);
-             return false;
-           });
+  const auto touch_until = [&](double x_m, double y_m, const auto& so) {
+    return press_until(session, hand, x_m - 0.05, y_m - 0.05, so);
   };
   const auto felt_at = [&](double x_m, double y_m) {
-    return [=](const State& now) {
+    return [=, &session] {
+      const State now = session.state().read();
       return stone_gives(now) && std::hypot(now.proxy_m[0] - x_m, now.proxy_m[1] - y_m) < 0.001;
     };
   };
-  ASSERT_TRUE(touches_until(0.082, 0.032, felt_at(0.082, 0.032)));
-  ASSERT_TRUE(touches_until(0.032, 0.032, felt_at(0.032, 0.032)));
+  ASSERT_TRUE(touch_until(0.082, 0.032, felt_at(0.082, 0.032)));
+  ASSERT_TRUE(touch_until(0.032, 0.032, felt_at(0.032, 0.032)));
   for (int k = 0; k < 20; ++k) session.poll();
   EXPECT_FALSE(said(session, "Polygon") || said(session, "Label")) << "in their notches";
-  EXPECT_TRUE(touches_until(0.066, 0.032, [&](const State&) { return said(session, "Polygon"); }));
+  EXPECT_TRUE(touch_until(0.066, 0.032, [&] { return said(session, "Polygon"); }));
   EXPECT_FALSE(said(session, "Label"));
-  EXPECT_TRUE(touches_until(0.016, 0.032, [&](const State&) { return said(session, "Label"); }));
+  EXPECT_TRUE(touch_until(0.016, 0.032, [&] { return said(session, "Label"); }));
   session.requests().post({Request::Kind::quit});
   ASSERT_TRUE(poll_until(session, [&] { return session.finished(); }));
   session.stop();

@@ -382,10 +382,8 @@ TEST(Session, SpeaksPartsWhenTouchedAndAreasThatWereNeverMeasured) {
   hand.put(-0.02, 0.0, 0.02);
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().device_m[0] < -0.0199; }));
   EXPECT_FALSE(said(session, "Left half")) << "not touched yet";
-  hand.put(-0.02, 0.0, -0.005);
-  ASSERT_TRUE(poll_until(session, [&] { return said(session, "Left half"); }));
-  hand.put(0.04, 0.0, -0.005);
-  ASSERT_TRUE(poll_until(session, [&] { return said(session, "Not measured here"); }));
+  ASSERT_TRUE(press_until(session, hand, -0.02, 0.0, [&] { return said(session, "Left half"); }));
+  ASSERT_TRUE(press_until(session, hand, 0.04, 0.0, [&] { return said(session, "Not measured here"); }));
   // Beyond the outline the ground falls away, and the hand is free.
   ASSERT_TRUE(poll_until(session, [&] { return session.state().read().contact == 0; }));
   session.requests().post({Request::Kind::describe});
