@@ -76,6 +76,8 @@ ordered_json form_schema(const Key& key, const Form& form) {
       return {{"anyOf", {numbers(16.0), list_of(numbers(4.0), 4.0, 4.0)}}};
     case Kind::points:
       return list_of(numbers(2.0), form.least, form.most);
+    case Kind::places:
+      return list_of(numbers(3.0), form.least, form.most);
   }
   return {};
 }

@@ -65,6 +65,8 @@ std::string form_text(const Form& form) {
       return "16 numbers, row by row";
     case Kind::points:
       return fmt::format("{} to {} points [x, y]", exact_text(form.least), exact_text(form.most));
+    case Kind::places:
+      return fmt::format("{} to {} points [x, y, z]", exact_text(form.least), exact_text(form.most));
   }
   return {};
 }

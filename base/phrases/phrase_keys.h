@@ -41,7 +41,6 @@ inline constexpr auto kPhraseKeys = std::to_array<PhraseKey>({
     {"side_front", ""},
     {"side_back", ""},
     {"place_on_side", "side place"},
-    {"guide_one_view", ""},
     {"going_deeper", ""},
     {"coming_nearer", ""},
     {"where", "place view contact"},

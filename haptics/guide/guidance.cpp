@@ -7,7 +7,7 @@
 namespace sparsha::haptics {
 namespace {
 
-using Eigen::Vector2d;
+using Eigen::Vector3d;
 
 constexpr double kWall_m = 0.002;   // from the line, where the walls are as strong as the guide
 constexpr double kAsked_m = 0.020;  // from which a hand is taken up that has just asked
@@ -34,6 +34,9 @@ double stored(double force_n, double stiffness_n_per_m, double stretch_m, double
   return most_n * (stretch_m - 0.5 * most_n / stiffness_n_per_m);
 }
 
+/// What of a vector lies across a unit normal.
+Vector3d across(const Vector3d& vector, const Vector3d& normal) { return vector - normal.dot(vector) * normal; }
+
 }  // namespace
 
 void Guidance::set(std::shared_ptr<const Guide> guide) noexcept {
@@ -58,6 +61,13 @@ void Guidance::let_go() noexcept {
   let_go_s_ = 0.0;
 }
 
+Guidance::Offset Guidance::offset(const Input& input, const GuidePath::Place& place) const noexcept {
+  const Vector3d way_m = input.scale * (guide_->path.point_m(place) - input.hand_m);
+  if (!guide_->path.in_space()) return {way_m, input.height_m};
+  const Vector3d normal = guide_->path.normal(place);
+  return {across(way_m, normal), -normal.dot(way_m)};
+}
+
 // Some pieces per tick, so that a long line costs no more than a short one.
 void Guidance::look_for_line(const Input& input) noexcept {
   const GuidePath& path = guide_->path;
@@ -71,9 +81,10 @@ void Guidance::look_for_line(const Input& input) noexcept {
   if (looked_at_ < path.pieces()) return;
   looked_at_ = 0;
   nearest_ = path.nearest_on(nearest_.piece, input.hand_m);  // the hand has moved on since
-  const double distance_m = input.scale * (path.point_m(nearest_) - input.hand_m).norm();
+  const Offset from_hand = offset(input, nearest_);
+  const double distance_m = from_hand.across_m.norm();
   const bool again = phase_ != GuidePhase::let_go || let_go_s_ > kAgain_s;
-  if (again && input.height_m < kLow_m && distance_m < (asked_ ? kAsked_m : kNear_m)) take_up(nearest_, distance_m);
+  if (again && from_hand.height_m < kLow_m && distance_m < (asked_ ? kAsked_m : kNear_m)) take_up(nearest_, distance_m);
 }
 
 void Guidance::take_up(const GuidePath::Place& place, double distance_m) noexcept {
@@ -137,21 +148,21 @@ void Guidance::turn_at_end() noexcept {
 }
 
 /// From the hand's place on the line to the line ahead, grid frame; not beyond a sharp turn, which is `room_m` away.
-Vector2d Guidance::way_ahead(double reach_m, double& room_m) const noexcept {
+Vector3d Guidance::way_ahead(double reach_m, double& room_m) const noexcept {
   const GuidePath& path = guide_->path;
   const int step = direction_ > 0.0 ? 1 : -1;
-  const Vector2d from = path.point_m(place_);
+  const Vector3d from = path.point_m(place_);
   std::size_t piece = place_.piece;
-  Vector2d at = from;
+  Vector3d at = from;
   if (direction_ > 0.0 ? place_.share >= 1.0 : place_.share <= 0.0)
     if (std::size_t next = 0; neighbour(piece, step, next)) piece = next;
-  const Vector2d first = direction_ * path.direction(piece);
-  Vector2d aim = from + reach_m * first;
+  const Vector3d first = direction_ * path.direction(piece);
+  Vector3d aim = from + reach_m * first;
   room_m = 0.0;
   bool aimed = false;
   const double scaled_brake_m = reach_m * (kBrake_m / kLookAhead_m);
   for (int k = 0; k < kMostPieces; ++k) {
-    const Vector2d& end = path.corner(direction_ > 0.0 ? piece + 1 : piece);
+    const Vector3d& end = path.corner(direction_ > 0.0 ? piece + 1 : piece);
     const double length_m = (end - at).norm();
     if (!aimed && room_m + length_m >= reach_m) {
       aim = at + (reach_m - room_m) * direction_ * path.direction(piece);
@@ -170,13 +181,13 @@ Vector2d Guidance::way_ahead(double reach_m, double& room_m) const noexcept {
     break;
   }
   room_m = std::min(room_m, scaled_brake_m);
-  const Vector2d way = aim - from;
+  const Vector3d way = path.in_space() ? across(aim - from, path.normal(place_)) : Vector3d(aim - from);
   return way.norm() > 0.0 ? way.normalized() : first;
 }
 
-bool Guidance::leaves(const Input& input, double beyond_m, double across_n) noexcept {
-  strained_s_ = across_n >= 0.98 * guide_->force_n ? strained_s_ + input.step_s : 0.0;
-  return beyond_m > kLeave_m || strained_s_ > kStrain_s || input.height_m > kHigh_m;
+bool Guidance::leaves(double step_s, double height_m, double beyond_m, double across_n) noexcept {
+  strained_s_ = across_n >= 0.98 * guide_->force_n ? strained_s_ + step_s : 0.0;
+  return beyond_m > kLeave_m || strained_s_ > kStrain_s || height_m > kHigh_m;
 }
 
 Guidance::Output Guidance::lead(const Input& input) noexcept {
@@ -188,7 +199,7 @@ Guidance::Output Guidance::lead(const Input& input) noexcept {
   follow(input);
   turn_at_end();
 
-  const Vector2d offset_m = input.scale * (guide.path.point_m(place_) - input.hand_m);
+  const auto [offset_m, height_m] = offset(input, place_);
   const double distance_m = offset_m.norm();
   // Walls that still stand apart follow a hand that comes nearer by itself.
   const double walls_before_m = std::min(walls_m_, distance_m);
@@ -197,12 +208,12 @@ Guidance::Output Guidance::lead(const Input& input) noexcept {
   walls_m_ = std::max(0.0, walls_before_m - yields * step_m);
   const double beyond_m = std::max(0.0, distance_m - walls_m_);
   const double across_n = std::min(most_n, stiffness * beyond_m);
-  if (phase_ == GuidePhase::leading && leaves(input, beyond_m, across_n)) let_go();
+  if (phase_ == GuidePhase::leading && leaves(input.step_s, height_m, beyond_m, across_n)) let_go();
   const bool holds = phase_ == GuidePhase::leading;
   share_ = holds ? std::min(1.0, share_ + input.step_s / kRise_s) : std::max(0.0, share_ - input.step_s / kFall_s);
 
   double room_m = 0.0;
-  const Vector2d ahead = way_ahead(kLookAhead_m / input.scale, room_m);
+  const Vector3d ahead = way_ahead(kLookAhead_m / input.scale, room_m);
   const double most_lead_m = most_n / stiffness;
   const double lead_before_m = std::clamp(lead_m_, 0.0, most_lead_m);
   // What leads waits for a hand that does not follow, for one that is off the line, and is slow in sharp turns.
@@ -212,16 +223,18 @@ Guidance::Output Guidance::lead(const Input& input) noexcept {
   const double advanced_m = holds ? step_m * follows * keeps * turns : 0.0;
   lead_m_ = std::min(most_lead_m, lead_before_m + advanced_m);
   const double leads_m_per_s = input.step_s > 0.0 ? advanced_m / input.step_s : 0.0;
-  const double lags_m_per_s = leads_m_per_s - input.velocity_m_per_s.dot(ahead);
+  const Vector3d velocity_m_per_s =
+      guide.path.in_space() ? across(input.velocity_m_per_s, guide.path.normal(place_)) : input.velocity_m_per_s;
+  const double lags_m_per_s = leads_m_per_s - velocity_m_per_s.dot(ahead);
   const double free_n = std::sqrt(std::max(0.0, most_n * most_n - across_n * across_n));
   const double along_n = std::clamp(stiffness * lead_m_ + std::clamp(kDamping_n_s_per_m * lags_m_per_s,
                                                                      -kMostDamping * most_n, kMostDamping * most_n),
                                     0.0, free_n);
 
-  const Vector2d inwards = distance_m > 0.0 ? Vector2d(offset_m / distance_m) : Vector2d::Zero();
-  const Vector2d across_m_per_s = input.velocity_m_per_s - input.velocity_m_per_s.dot(ahead) * ahead;
+  const Vector3d inwards = distance_m > 0.0 ? Vector3d(offset_m / distance_m) : Vector3d::Zero();
+  const Vector3d across_m_per_s = velocity_m_per_s - velocity_m_per_s.dot(ahead) * ahead;
   const double damped_n = std::min(kDamping_n_s_per_m * across_m_per_s.norm(), kMostDamping * most_n);
-  Vector2d force_n = across_n * inwards + along_n * ahead;
+  Vector3d force_n = across_n * inwards + along_n * ahead;
   if (across_m_per_s.norm() > 0.0 && walls_m_ <= 0.0) force_n -= damped_n * across_m_per_s.normalized();
   if (force_n.norm() > most_n) force_n *= most_n / force_n.norm();
 

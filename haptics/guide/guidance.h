@@ -12,8 +12,9 @@
 
 namespace sparsha::haptics {
 
-/// Servo thread only; no allocation, no exceptions. Forces and distances are the hand's, device frame, across the stone
-/// (x and y); places are in the grid frame.
+/// Servo thread only; no allocation, no exceptions. Places are in the grid frame; forces, speeds and distances are the
+/// hand's size, along the axes of the grid frame. Across one view all are across the stone and have z = 0; on a whole
+/// object they lie in the plane that touches the stone at the hand's place on the line.
 ///
 /// The hand's place on the line is the nearest one, followed from tick to tick, so that no neck and no neighbouring
 /// line is jumped. Across the line a spring holds the hand; it reaches the guide's force 2 mm away. Along it a spring
@@ -23,16 +24,16 @@ namespace sparsha::haptics {
 class Guidance {
  public:
   struct Input {
-    Eigen::Vector2d hand_m = Eigen::Vector2d::Zero();            ///< grid frame
-    Eigen::Vector2d velocity_m_per_s = Eigen::Vector2d::Zero();  ///< of the hand, device frame
-    Eigen::Vector2d scrolled_m = Eigen::Vector2d::Zero();        ///< of the stone under the hand since the last tick
+    Eigen::Vector3d hand_m = Eigen::Vector3d::Zero();            ///< of one view with z = 0
+    Eigen::Vector3d velocity_m_per_s = Eigen::Vector3d::Zero();  ///< of the hand
+    Eigen::Vector3d scrolled_m = Eigen::Vector3d::Zero();        ///< of the stone under the hand since the last tick
     double scale = 1.0;                                          ///< device metres per grid metre
-    double height_m = 0.0;                                       ///< of the hand above the stone, device frame
-    double stiffness_n_per_m = 0.0;                              ///< of no spring may be more
-    double step_s = 0.001;                                       ///< since the last tick, at most the planned period
+    double height_m = 0.0;           ///< of the hand above the stone, at the hand; not read on whole objects
+    double stiffness_n_per_m = 0.0;  ///< of no spring may be more
+    double step_s = 0.001;           ///< since the last tick, at most the planned period
   };
   struct Output {
-    Eigen::Vector2d force_n = Eigen::Vector2d::Zero();
+    Eigen::Vector3d force_n = Eigen::Vector3d::Zero();
     double stored_j = 0.0;    ///< in the springs
     double supplied_j = 0.0;  ///< put into them in this tick: at most force times speed times its length
   };
@@ -48,14 +49,20 @@ class Guidance {
   [[nodiscard]] std::uint64_t rounds() const noexcept { return rounds_; }
 
  private:
+  /// From the hand to a place of the line.
+  struct Offset {
+    Eigen::Vector3d across_m = Eigen::Vector3d::Zero();
+    double height_m = 0.0;  ///< of the hand above the stone
+  };
+  [[nodiscard]] Offset offset(const Input& input, const GuidePath::Place& place) const noexcept;
   void look_for_line(const Input& input) noexcept;
   void take_up(const GuidePath::Place& place, double distance_m) noexcept;
-  [[nodiscard]] bool leaves(const Input& input, double beyond_m, double across_n) noexcept;
+  [[nodiscard]] bool leaves(double step_s, double height_m, double beyond_m, double across_n) noexcept;
   void let_go() noexcept;
   void follow(const Input& input) noexcept;
   void turn_at_end() noexcept;
   [[nodiscard]] bool neighbour(std::size_t piece, int step, std::size_t& next) const noexcept;
-  [[nodiscard]] Eigen::Vector2d way_ahead(double reach_m, double& room_m) const noexcept;
+  [[nodiscard]] Eigen::Vector3d way_ahead(double reach_m, double& room_m) const noexcept;
   [[nodiscard]] Output lead(const Input& input) noexcept;
 
   std::shared_ptr<const Guide> guide_;

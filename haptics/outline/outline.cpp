@@ -8,6 +8,8 @@
 #include <numbers>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
 #include "scene/depth_grid.h"
 #include "scene/ground/continuation.h"
 #include "scene/ground/contours.h"
@@ -21,19 +23,22 @@ using scene::DepthGrid;
 using scene::Lattice;
 using scene::NodeState;
 using scene::trace_contours;
+using scene::zero_between;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSigma = 1.5;        // nodes, of the smoothing
-constexpr double kBeside = 4.0;       // nodes on either side of a step, where the slope is compared
-constexpr double kStepNoises = 8.0;   // least step, in standard deviations of the heights
-constexpr double kStepNodes = 0.75;   // and in node distances
-constexpr double kWeak = 0.25;        // of the least step, where it goes on
-constexpr double kWeakSlope = 0.75;   // and, whatever lies beside it, of that step's slope
-constexpr double kStrongShare = 0.5;  // of a step's points are not weak
-constexpr double kTurn = 0.5;         // least change of slope across a ridge
-constexpr double kLineLike = 0.5;     // of the curvature across a ridge may be along it
-constexpr double kNearOther = 4.0;    // nodes: a ridge beside a step or a border belongs to it
-constexpr double kShortest = 8.0;     // nodes
+constexpr double kSigma = 1.5;                         // nodes, of the smoothing
+constexpr double kBeside = 4.0;                        // nodes on either side of a step, where the slope is compared
+constexpr double kStepNoises = 8.0;                    // least step, in standard deviations of the heights
+constexpr double kStepNodes = 0.75;                    // and in node distances
+constexpr double kWeak = 0.25;                         // of the least step, where it goes on
+constexpr double kWeakSlope = 0.75;                    // and, whatever lies beside it, of that step's slope
+constexpr double kStrongShare = 0.5;                   // of a step's points are not weak
+constexpr double kTurn = 0.5;                          // least change of slope across a ridge
+constexpr double kPeak = 0.3989422804014327 / kSigma;  // curvature of a turn of 1, smoothed: of a normal distribution
+constexpr double kProminent = 2.0;                     // times as strong as beside it is a bend
+constexpr double kLineLike = 0.5;                      // of the curvature across a ridge may be along it
+constexpr double kNearOther = 4.0;                     // nodes: a ridge beside a step or a border belongs to it
+constexpr double kShortest = 8.0;                      // nodes
 constexpr double kShortestBorder = 6.0;
 constexpr double kMostRim = 0.25;   // of a border's length
 constexpr double kTolerance = 0.1;  // nodes
@@ -125,11 +130,6 @@ class Relief {
   Field heights_;
 };
 
-/// Where two values of unlike sign lie on either side.
-double zero_between(double a, double b) {
-  return (a > 0.0) != (b > 0.0) && a != b ? std::clamp(a / (a - b), 0.0, 1.0) : kNan;
-}
-
 /// How much steeper it is at a place than on both sides of it, along the slope.
 double excess_slope(const Relief& relief, const Vector2d& place) {
   const Vector2d slope = relief.slope(place);
@@ -186,8 +186,6 @@ struct Across {
 };
 
 Across across_ridge(const Relief& relief, int i, int j) {
-  // A turn of 1 between two slopes, smoothed.
-  constexpr double kPeak = 0.3989422804014327 / kSigma;  // of a normal distribution
   const Eigen::Matrix2d c = relief.curvature(i, j);
   const double mean = 0.5 * c.trace();
   const double half = std::hypot(0.5 * (c(0, 0) - c(1, 1)), c(0, 1));
@@ -198,11 +196,11 @@ Across across_ridge(const Relief& relief, int i, int j) {
   return {{std::cos(turn), std::sin(turn)}, strong};
 }
 
-std::vector<Contour> find_ridges(const Relief& relief, const Nodes& nodes, const Lattice& lattice) {
-  std::vector<Across> across;
-  across.reserve(lattice.count());
-  for (int j = 0; j < lattice.ny; ++j)
-    for (int i = 0; i < lattice.nx; ++i) across.push_back(across_ridge(relief, i, j));
+/// Lines where `rise(i, j)` along the direction across changes its sign, between nodes that bend the same way, as far
+/// as `counts(place, direction)`.
+template <class Rise, class Counts>
+std::vector<Contour> trace_across(const std::vector<Across>& across, const Nodes& nodes, const Lattice& lattice,
+                                  const Rise& rise, const Counts& counts) {
   return trace_contours(lattice.nx, lattice.ny, [&](int i, int j, bool up) {
     if (!nodes.known(i, j, up)) return kNan;
     const int oi = i + (up ? 0 : 1);
@@ -211,7 +209,62 @@ std::vector<Contour> find_ridges(const Relief& relief, const Nodes& nodes, const
     const Across& b = across[lattice.index(oi, oj)];
     if (a.curvature * b.curvature <= 0.0) return kNan;
     const double sign = a.direction.dot(b.direction) >= 0.0 ? 1.0 : -1.0;
-    return zero_between(relief.slope(i, j).dot(a.direction), sign * relief.slope(oi, oj).dot(b.direction));
+    const double share = zero_between(rise(i, j).dot(a.direction), sign * rise(oi, oj).dot(b.direction));
+    if (std::isnan(share)) return kNan;
+    return counts(Vector2d(i + (up ? 0.0 : share), j + (up ? share : 0.0)), a.direction) ? share : kNan;
+  });
+}
+
+template <class Bend>
+std::vector<Across> at_each_node(const Lattice& lattice, const Bend& bend) {
+  std::vector<Across> across;
+  across.reserve(lattice.count());
+  for (int j = 0; j < lattice.ny; ++j)
+    for (int i = 0; i < lattice.nx; ++i) across.push_back(bend(i, j));
+  return across;
+}
+
+std::vector<Contour> find_ridges(const Relief& relief, const Nodes& nodes, const Lattice& lattice) {
+  const auto across = at_each_node(lattice, [&](int i, int j) { return across_ridge(relief, i, j); });
+  return trace_across(
+      across, nodes, lattice, [&](int i, int j) { return relief.slope(i, j); },
+      [](const Vector2d&, const Vector2d&) { return true; });
+}
+
+/// The strongest curvature of the surface at a node: across which direction of the lattice (unit), and how much the
+/// surface turns there per node distance, radians; of none that is strong, or of one with another beside it, 0.
+Across sharpest_bend(const Relief& relief, int i, int j) {
+  const Vector2d slope = relief.slope(i, j);
+  Eigen::Matrix2d metric = Eigen::Matrix2d::Identity();
+  metric += slope * slope.transpose();
+  const Eigen::Matrix2d root_inverse = Eigen::LLT<Eigen::Matrix2d>(metric).matrixL().solve(Eigen::Matrix2d::Identity());
+  const Eigen::Matrix2d shape =
+      root_inverse * relief.curvature(i, j) * root_inverse.transpose() / std::sqrt(1.0 + slope.squaredNorm());
+  const double mean = 0.5 * shape.trace();
+  const double half = std::hypot(0.5 * (shape(0, 0) - shape(1, 1)), 0.5 * (shape(0, 1) + shape(1, 0)));
+  const double strong = mean >= 0.0 ? mean + half : mean - half;
+  const double weak = 2.0 * mean - strong;
+  if (!(std::abs(strong) > 0.0) || std::abs(weak) > kLineLike * std::abs(strong)) return {};
+  const double turn = 0.5 * std::atan2(shape(0, 1) + shape(1, 0), shape(0, 0) - shape(1, 1)) +
+                      (mean >= 0.0 ? 0.0 : 0.5 * std::numbers::pi);
+  const Vector2d across = root_inverse.transpose() * Vector2d(std::cos(turn), std::sin(turn));
+  return {across.normalized(), strong / across.norm()};
+}
+
+/// Where the surface bends the most, along the way across.
+std::vector<Contour> find_bends(const Relief& relief, const Nodes& nodes, const Lattice& lattice) {
+  const auto across = at_each_node(lattice, [&](int i, int j) { return sharpest_bend(relief, i, j); });
+  Field turns(lattice.nx, lattice.ny);
+  for (std::size_t node = 0; node < across.size(); ++node)
+    turns.values()[node] = static_cast<float>(std::abs(across[node].curvature));
+  const auto rise = [&](int i, int j) {
+    return Vector2d(turns.get(i + 1, j) - turns.get(i - 1, j), turns.get(i, j + 1) - turns.get(i, j - 1));
+  };
+  return trace_across(across, nodes, lattice, rise, [&](const Vector2d& place, const Vector2d& direction) {
+    const double here = turns.between(place);
+    const double beside =
+        std::max(turns.between(place - kBeside * direction), turns.between(place + kBeside * direction));
+    return here >= kTurn * kPeak && here >= kProminent * beside;
   });
 }
 
@@ -248,26 +301,6 @@ std::vector<Contour> away_from(const std::vector<Contour>& lines, const std::vec
   return left;
 }
 
-/// Half-way between nodes that are inside and others; on the rim where those inside reach it. In node units.
-std::vector<Contour> trace_border(int nx, int ny, const std::function<bool(int, int)>& inside) {
-  const auto is_inside = [&](int i, int j) { return i >= 0 && j >= 0 && i < nx && j < ny && inside(i, j); };
-  const auto on_grid = [&](int i, int j) { return i >= 0 && j >= 0 && i < nx && j < ny; };
-  // One node more on every side.
-  std::vector<Contour> lines = trace_contours(nx + 2, ny + 2, [&](int pi, int pj, bool up) {
-    const int i = pi - 1;
-    const int j = pj - 1;
-    const int oi = i + (up ? 0 : 1);
-    const int oj = j + (up ? 1 : 0);
-    const bool here = is_inside(i, j);
-    if (here == is_inside(oi, oj)) return kNan;
-    if (!on_grid(i, j)) return 1.0;
-    return on_grid(oi, oj) ? 0.5 : 0.0;
-  });
-  for (Contour& line : lines)
-    for (Vector2d& point : line.points) point -= Vector2d::Ones();
-  return lines;
-}
-
 bool on_rim(const Vector2d& point, const Lattice& lattice) {
   return point.x() <= 0.0 || point.y() <= 0.0 || point.x() >= lattice.nx - 1 || point.y() >= lattice.ny - 1;
 }
@@ -298,6 +331,36 @@ std::vector<Contour> without_rim(const Contour& border, const Lattice& lattice) 
   return runs;
 }
 
+/// Between known and unknown nodes.
+std::vector<Contour> stone_borders(const DepthGrid& grid) {
+  const Lattice& lattice = grid.lattice;
+  std::vector<Contour> found;
+  if (lattice.nx < 3 || lattice.ny < 3) return found;
+  const Nodes nodes(grid);
+  for (const Contour& border : trace_border(lattice.nx, lattice.ny, [&](int i, int j) { return nodes.known(i, j); }))
+    for (Contour& run : without_rim(border, lattice))
+      if (run.length() >= kShortestBorder) found.push_back(std::move(run));
+  return found;
+}
+
+/// Steps and what else `find` finds, each away from the ones before and from `borders`.
+template <class Find>
+std::vector<Contour> creases_beside(const std::vector<Contour>& borders, const DepthGrid& grid, double noise_m,
+                                    const Find& find) {
+  const Lattice& lattice = grid.lattice;
+  if (lattice.nx < 3 || lattice.ny < 3) return {};
+  const Nodes nodes(grid);
+  const Relief relief(grid);
+  // Smoothed, a step of height h between two nodes is h / (sigma sqrt(2 pi)) steep.
+  const double least_step = std::max(kStepNodes, kStepNoises * noise_m / lattice.spacing_m);
+  const double least_excess = least_step / (kSigma * std::sqrt(2.0 * std::numbers::pi));
+  std::vector<Contour> found = away_from(find_steps(relief, nodes, lattice, least_excess), borders, lattice);
+  std::vector<Contour> taken = borders;
+  taken.insert(taken.end(), found.begin(), found.end());
+  for (Contour& line : away_from(find(relief, nodes, lattice), taken, lattice)) found.push_back(std::move(line));
+  return found;
+}
+
 /// In the grid frame, longest first.
 std::vector<Line> finished(std::vector<Contour> contours, const Lattice& lattice) {
   std::sort(contours.begin(), contours.end(),
@@ -316,27 +379,38 @@ std::vector<Line> finished(std::vector<Contour> contours, const Lattice& lattice
 
 }  // namespace
 
+std::vector<Contour> trace_border(int nx, int ny, const std::function<bool(int, int)>& inside) {
+  const auto is_inside = [&](int i, int j) { return i >= 0 && j >= 0 && i < nx && j < ny && inside(i, j); };
+  const auto on_grid = [&](int i, int j) { return i >= 0 && j >= 0 && i < nx && j < ny; };
+  // One node more on every side.
+  std::vector<Contour> lines = trace_contours(nx + 2, ny + 2, [&](int pi, int pj, bool up) {
+    const int i = pi - 1;
+    const int j = pj - 1;
+    const int oi = i + (up ? 0 : 1);
+    const int oj = j + (up ? 1 : 0);
+    const bool here = is_inside(i, j);
+    if (here == is_inside(oi, oj)) return kNan;
+    if (!on_grid(i, j)) return 1.0;
+    return on_grid(oi, oj) ? 0.5 : 0.0;
+  });
+  for (Contour& line : lines)
+    for (Vector2d& point : line.points) point -= Vector2d::Ones();
+  return lines;
+}
+
 std::vector<Line> find_borders(const Lattice& lattice, const std::function<bool(int, int)>& inside) {
   return finished(trace_border(lattice.nx, lattice.ny, inside), lattice);
 }
 
 std::vector<Line> find_outlines(const DepthGrid& grid, double noise_m) {
-  const Lattice& lattice = grid.lattice;
-  if (lattice.nx < 3 || lattice.ny < 3) return {};
-  const Nodes nodes(grid);
-  std::vector<Contour> found;
-  for (const Contour& border : trace_border(lattice.nx, lattice.ny, [&](int i, int j) { return nodes.known(i, j); }))
-    for (Contour& run : without_rim(border, lattice))
-      if (run.length() >= kShortestBorder) found.push_back(std::move(run));
-  const Relief relief(grid);
-  // Smoothed, a step of height h between two nodes is h / (sigma sqrt(2 pi)) steep.
-  const double least_step = std::max(kStepNodes, kStepNoises * noise_m / lattice.spacing_m);
-  const double least_excess = least_step / (kSigma * std::sqrt(2.0 * std::numbers::pi));
-  std::vector<Contour> steps = away_from(find_steps(relief, nodes, lattice, least_excess), found, lattice);
-  found.insert(found.end(), steps.begin(), steps.end());
-  for (Contour& ridge : away_from(find_ridges(relief, nodes, lattice), found, lattice))
-    found.push_back(std::move(ridge));
-  return finished(std::move(found), lattice);
+  std::vector<Contour> found = stone_borders(grid);
+  std::vector<Contour> creases = creases_beside(found, grid, noise_m, find_ridges);
+  found.insert(found.end(), creases.begin(), creases.end());
+  return finished(std::move(found), grid.lattice);
+}
+
+std::vector<Line> find_creases(const DepthGrid& grid, double noise_m) {
+  return finished(creases_beside(stone_borders(grid), grid, noise_m, find_bends), grid.lattice);
 }
 
 }  // namespace sparsha::haptics

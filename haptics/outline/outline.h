@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "scene/depth_grid.h"
+#include "scene/ground/contours.h"
 #include "scene/scene_fwd.h"
 
 namespace sparsha::haptics {
@@ -26,8 +27,16 @@ using Line = std::vector<Eigen::Vector2d>;
 /// `noise_m`: standard deviation of the heights. Any thread; some 0.3 us per node.
 [[nodiscard]] std::vector<Line> find_outlines(const scene::DepthGrid& grid, double noise_m);
 
+/// The steps, and where the surface bends sharply, whichever way it leans: places of the strongest curvature across a
+/// line, of at least half a radian within some nodes and twice as strong as beside it (crest lines, Monga, Armande &
+/// Montesinos 1997). None within some nodes of the border between known and unknown nodes.
+[[nodiscard]] std::vector<Line> find_creases(const scene::DepthGrid& grid, double noise_m);
+
 /// The borders of the nodes for which `inside` holds, longest first; the grid's rim counts as border.
 [[nodiscard]] std::vector<Line> find_borders(const scene::Lattice& lattice,
                                              const std::function<bool(int i, int j)>& inside);
+
+/// Half-way between nodes that are inside and others; on the rim where those inside reach it. In node units.
+[[nodiscard]] std::vector<scene::Contour> trace_border(int nx, int ny, const std::function<bool(int i, int j)>& inside);
 
 }  // namespace sparsha::haptics

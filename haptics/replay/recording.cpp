@@ -46,6 +46,7 @@ enum Column : std::size_t {
   kTipRadius,
   kGuideX,
   kGuideY,
+  kGuideZ,
   kGuideStored,
   kGuideSupplied,
   kScene,
@@ -94,6 +95,7 @@ constexpr std::array<std::string_view, kColumns> kNames = {"t_s",
                                                            "tip_radius_m",
                                                            "guide_x_n",
                                                            "guide_y_n",
+                                                           "guide_z_n",
                                                            "guide_stored_j",
                                                            "guide_supplied_j",
                                                            "scene",
@@ -188,6 +190,7 @@ constexpr Range range_of(Column column) {
       return {1.0, 1e9, true};
     case kGuideX:
     case kGuideY:
+    case kGuideZ:
       return {-100.0, 100.0};
     case kGuideStored:
     case kGuideSupplied:
@@ -284,7 +287,7 @@ RecordedRow row_of(const Fields& fields) {
   row.force_share = fields.at(kShare, 1.0);
   constexpr double kUntold = std::numeric_limits<double>::quiet_NaN();
   row.applied_n = {fields.at(kAppliedX, kUntold), fields.at(kAppliedY, kUntold), fields.at(kAppliedZ, kUntold)};
-  row.tick.guide_n = {fields.at(kGuideX, 0.0), fields.at(kGuideY, 0.0)};
+  row.tick.guide_n = {fields.at(kGuideX, 0.0), fields.at(kGuideY, 0.0), fields.at(kGuideZ, 0.0)};
   row.tick.guide_stored_j = fields.at(kGuideStored, 0.0);
   row.tick.guide_supplied_j = fields.at(kGuideSupplied, 0.0);
   row.orientation = {fields.at(kOrientationW, 0.0), fields.at(kOrientationX, 0.0), fields.at(kOrientationY, 0.0),

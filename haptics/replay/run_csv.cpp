@@ -13,7 +13,7 @@ const std::string& run_csv_header() {
       "window_i,window_j,window_nx,window_ny,workspace_m,max_force_n,slew_n_per_s,least_damping_n_s_per_m,delay_"
       "ticks,nominal_period_s,tip_radius_m,guide_x_n,guide_y_n,guide_stored_j,guide_supplied_j,turn_x,turn_y,turn_z,"
       "turn_w,undeclared_s,device_share,orientation_w,orientation_x,orientation_y,orientation_z,applied_force_x_n,"
-      "applied_force_y_n,applied_force_z_n,measured_delay_s,encoder_step_m,scene\n";
+      "applied_force_y_n,applied_force_z_n,measured_delay_s,encoder_step_m,scene,guide_z_n\n";
   return header;
 }
 
@@ -45,7 +45,8 @@ void append_run_csv_row(std::string& text, const Record& record, const DeviceInf
   csv::append(text, static_cast<std::int64_t>(device.limits.delay_ticks));
   csv::append(text, record.nominal_period_s);
   csv::append(text, state.tip_radius_m);
-  for (const double force_n : state.guide_n) csv::append(text, force_n);
+  csv::append(text, state.guide_n[0]);
+  csv::append(text, state.guide_n[1]);
   csv::append(text, state.guide_stored_j);
   csv::append(text, state.guide_supplied_j);
   for (const double part : state.turn) csv::append(text, part);
@@ -56,6 +57,7 @@ void append_run_csv_row(std::string& text, const Record& record, const DeviceInf
   csv::append(text, record.measured_delay_s);
   csv::append(text, device.limits.encoder_step_m);
   csv::append(text, state.scene);
+  csv::append(text, state.guide_n[2]);
   csv::end_row(text);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "haptics/servo/haptic_renderer.h"
+#include "haptics/state/vectors.h"
 
 namespace sparsha::haptics {
 
@@ -23,15 +24,22 @@ double HapticRenderer::away_m(const Eigen::Vector3d& hip_m) const noexcept {
 }
 
 Guidance::Output HapticRenderer::guide(const Eigen::Vector3d& hip_m) noexcept {
-  if (window_.object != nullptr || guidance_.phase() == GuidePhase::off || dragging_ || !armed_) return {};
+  if (guidance_.phase() == GuidePhase::off || dragging_ || !armed_) return {};
   Guidance::Input input;
-  input.hand_m = hip_m.head<2>();
-  input.velocity_m_per_s = governor_.velocity().head<2>();
+  input.hand_m = hip_m;
+  input.velocity_m_per_s = governor_.velocity();
   input.scale = surface_->scale;
-  input.scrolled_m = surface_->scale * (guided_at_m_ - centre_m_.head<2>());
-  input.height_m = height_above_m(hip_m);
+  input.scrolled_m = surface_->scale * (guided_at_m_ - centre_m_);
   input.stiffness_n_per_m = stiffness_n_per_m_;
   input.step_s = step_s();
+  if (window_.object != nullptr) {
+    input.velocity_m_per_s = object_.to_grid(input.velocity_m_per_s);
+    Guidance::Output led = guidance_.update(input);
+    led.force_n = object_.to_device(led.force_n);
+    return led;
+  }
+  input.height_m = height_above_m(hip_m);
+  for (Eigen::Vector3d* across : {&input.hand_m, &input.velocity_m_per_s, &input.scrolled_m}) across->z() = 0.0;
   return guidance_.update(input);
 }
 
@@ -43,17 +51,17 @@ void HapticRenderer::add_guide(GovernorInput& input, const Eigen::Vector3d& hip_
     led = *recorded_guide_;
   else if (fresh)
     led = guide(hip_m);
-  guided_at_m_ = centre_m_.head<2>();
+  guided_at_m_ = centre_m_;
   state.guide = guidance_.phase();
   state.guide_rounds = guidance_.rounds();
-  state.guide_n = {led.force_n.x(), led.force_n.y()};
+  state.guide_n = to_array(led.force_n);
   state.guide_stored_j = led.stored_j;
   state.guide_supplied_j = led.supplied_j;
   input.guided = led.stored_j > 0.0 || !led.force_n.isZero(0.0);
   if (!input.guided) return;
   state.flags |= kFlagGuided;
   if (recorded_guide_) state.guide = GuidePhase::leading;
-  input.force_n.head<2>() += led.force_n;
+  input.force_n += led.force_n;
   input.spring_energy_j += led.stored_j;
   input.supplied_j = led.supplied_j;
 }

@@ -44,7 +44,7 @@ struct RecordedTick {
   std::uint64_t command = 0;
   std::uint64_t flags = 0;  ///< StateFlag bits of the recorded tick
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
-  Eigen::Vector2d guide_n = Eigen::Vector2d::Zero();  ///< what State holds of the guide
+  Eigen::Vector3d guide_n = Eigen::Vector3d::Zero();  ///< what State holds of the guide
   double guide_stored_j = 0.0;
   double guide_supplied_j = 0.0;
 };
@@ -167,7 +167,7 @@ class HapticRenderer {
   double unheard_s_ = 0.0;  // since a sample that the device called fresh
   Guidance guidance_;
   std::optional<Guidance::Output> recorded_guide_;         // of a replay
-  Eigen::Vector2d guided_at_m_ = Eigen::Vector2d::Zero();  // the centre in the last tick
+  Eigen::Vector3d guided_at_m_ = Eigen::Vector3d::Zero();  // the centre in the last tick
   bool armed_ = false;                                     // in the last tick
   Eigen::Vector3d felt_n_ = Eigen::Vector3d::Zero();       // what the governor was given last
   Eigen::Vector3d hand_m_ = Eigen::Vector3d::Zero();       // last finite hand position, device frame

@@ -45,7 +45,7 @@ void HapticRenderer::swap(Command& command) noexcept {
   // Fresh tiles of the same view leave the hand where it is on the line; any other view does not.
   const double moved_m = fresh.scale * (centre_m_.head<2>() - old_centre_m).norm();
   if (fresh.scale != old_scale || moved_m > kSamePlace_m) guidance_.interrupt();
-  guided_at_m_ = centre_m_.head<2>();
+  guided_at_m_ = centre_m_;
   if (!placed_) {
     centre_m_ = point_on(centre_m_.head<2>());
     return;

@@ -169,7 +169,7 @@ void HapticRenderer::leave_object(const Command& command) noexcept {
   object_.set_turn(Eigen::Quaterniond::Identity());
   const bool placed = command.move && command.centre_m.allFinite();
   centre_m_ = point_on(placed ? command.centre_m : Eigen::Vector2d(surface_->centre_m.head<2>()));
-  guided_at_m_ = centre_m_.head<2>();
+  guided_at_m_ = centre_m_;
   proxy_ = {};
   if (!placed_) return;
   lift(hand_m_);

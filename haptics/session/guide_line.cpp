@@ -53,7 +53,8 @@ bool mostly(const Line& line, const Near& near) {
 }
 
 Vector2d way_to(const GuidePath& path, const Vector2d& hand_m) {
-  return path.point_m(path.nearest_among(0, path.pieces(), hand_m)) - hand_m;
+  const Eigen::Vector3d place_m(hand_m.x(), hand_m.y(), 0.0);
+  return (path.point_m(path.nearest_among(0, path.pieces(), place_m)) - place_m).head<2>();
 }
 
 /// The longest in or near the part, else the nearest.
@@ -214,6 +215,7 @@ Line drawn_line(const scene::SceneDescription& scene, const scene::GuideConfig& 
 }  // namespace
 
 GuideAnswer find_guide(const GuideWish& wish) {
+  if (wish.around) return find_guide_on_object(wish);
   using Path = scene::GuideConfig::Path;
   const scene::SceneDescription& scene = wish.scene->description();
   const scene::GuideConfig config = scene.config.guide.value_or(scene::GuideConfig{});
@@ -232,11 +234,11 @@ GuideAnswer find_guide(const GuideWish& wish) {
     }
   } else {
     const Near near = wish.part ? near_part(*wish.scene, *wish.part) : Near{};
-    line = choose(find_outlines(wish.scene->read_level(level).grid, scene.noise_m), near, wish.hand_m);
+    line = choose(find_outlines(wish.scene->read_level(level).grid, scene.noise_m), near, wish.hand_m.head<2>());
   }
   if (line.size() < 2) return answer;
   answer.guide = std::make_shared<const Guide>(Guide{GuidePath(line), config.force_n, config.speed_m_per_s});
-  answer.way_m = wish.scale * way_to(answer.guide->path, wish.hand_m);
+  answer.way_m = wish.scale * way_to(answer.guide->path, wish.hand_m.head<2>());
   return answer;
 }
 

@@ -200,8 +200,9 @@ WindowLoader::Job Navigator::whole_scene() {
   return move(plan, middle_of(level(plan.level)));
 }
 
-Eigen::Vector2d Navigator::hand_m(const State& state) const {
-  return goal_m_ ? Eigen::Vector2d(goal_m_->head<2>() + across(state.device_m) / plan_.scale) : across(state.hip_m);
+Eigen::Vector3d Navigator::hand_m(const State& state) const {
+  if (!goal_m_) return to_vector(state.hip_m);
+  return *goal_m_ + turn_.conjugate() * to_vector(state.device_m) / plan_.scale;
 }
 
 // To the nearest view that shows the whole part. The window brings the part to the device's centre: said is the way

@@ -46,7 +46,7 @@ class Navigator {
   void settle(const WindowPlan& plan) { plan_ = plan; }
   [[nodiscard]] const WindowPlan& plan() const { return plan_; }
   /// Where the hand will be when the servo has taken over all that was asked for, grid frame.
-  [[nodiscard]] Eigen::Vector2d hand_m(const State& state) const;
+  [[nodiscard]] Eigen::Vector3d hand_m(const State& state) const;
   /// Width of the present window, grid frame.
   [[nodiscard]] double width_m() const { return workspace_width_m_ / plan_.scale; }
 
@@ -63,6 +63,8 @@ class Navigator {
   }
   /// A wish to turn a whole object; empty when it changes nothing (and says why).
   [[nodiscard]] std::optional<Command> turn(const Request& request);
+  /// That was asked for last, from the grid frame's axes to the device frame's.
+  [[nodiscard]] const Eigen::Quaterniond& turn() const { return turn_; }
   /// The front again, without a word; empty where it is there.
   [[nodiscard]] std::optional<Command> face_front();
   /// Does the hand go all around the scene?

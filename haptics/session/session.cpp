@@ -235,8 +235,6 @@ struct Session::Implementation {
     if (request.on && std::exchange(hold_ended_guide, false)) return;
     if (guide.on())
       post(guide.stop());
-    else if (navigator.goes_around())
-      announcer.say("guide_one_view");
     else
       guide.ask(guide_wish(now, true));
   }
@@ -266,8 +264,10 @@ struct Session::Implementation {
     GuideWish wish;
     wish.scene = scene;
     wish.level = navigator.plan().level;
+    wish.around = navigator.goes_around();
     wish.hand_m = navigator.hand_m(now);
     wish.scale = navigator.plan().scale;
+    wish.turn = navigator.turn();
     wish.part = navigator.part();
     const auto& parts = scene->description().config.parts;
     const scene::PartConfig* touched = scene::part_at(scene->description(), now.place_m);

@@ -87,7 +87,7 @@ struct State {
   std::array<std::int64_t, 4> window{};           ///< nodes of the level: first i, first j, how many in i, in j
   GuidePhase guide = GuidePhase::off;
   std::uint64_t guide_rounds = 0;       ///< times that the whole line has been led along since the guide came on
-  std::array<double, 2> guide_n{};      ///< of the guide, x and y of the device frame, before the governor
+  std::array<double, 3> guide_n{};      ///< of the guide, device frame, before the governor; of one view z = 0
   double guide_stored_j = 0.0;          ///< in the guide's springs
   double guide_supplied_j = 0.0;        ///< put into them in this tick by what leads; taken out where negative
   std::array<std::uint64_t, 5> cues{};  ///< so far, in the order of scene::Cue

@@ -197,6 +197,7 @@ std::optional<std::string> ignored_by_heights(const scene::Config& config) {
   std::vector<std::string> ignored;
   if (!config.filters.empty()) ignored.emplace_back("filters");
   if (config.around) ignored.emplace_back("around");
+  if (config.guide && !config.guide->line_in_space_m.empty()) ignored.emplace_back("the guide's line in space");
   if (std::any_of(config.parts.begin(), config.parts.end(), solid)) ignored.emplace_back("parts in space");
   if (config.audio && std::any_of(config.audio->regions.begin(), config.audio->regions.end(), solid))
     ignored.emplace_back("audio regions in space");

@@ -304,6 +304,10 @@ Config parse_config(const Node& root, const std::filesystem::path& folder) {
   if (const Node* node = reader.optional("parts")) require_labels(*node, "a part", config);
   if (const Node* node = reader.optional("speech")) config.speech = parse_speech(*node);
   if (const Node* node = reader.optional("guide")) config.guide = parse_guide(*node);
+  if (config.guide && !config.guide->line_in_space_m.empty() && !config.around)
+    throw yaml::error_at(*root.find("guide")->find("line_m"),
+                         "a line of points with three numbers needs the whole object",
+                         "the block 'around: {}', or points [x, y] of the grid frame");
   if (const Node* node = reader.optional("cues")) config.cues = parse_cues(*node);
   if (const Node* node = reader.optional("viewer")) config.viewer = parse_viewer(*node);
   finish_root(reader, root);

@@ -176,11 +176,15 @@ std::string sound_text(const MaterialSoundConfig& sound) {
   return text + "}";
 }
 
-std::string points(const std::vector<std::array<double, 2>>& places_m) {
-  std::string text = "[";
-  for (const auto& place : places_m)
-    text += fmt::format("{}[{}, {}]", text.back() == '[' ? "" : ", ", exact_text(place[0]), exact_text(place[1]));
-  return text + "]";
+template <std::size_t kCount>
+std::string points(const std::vector<std::array<double, kCount>>& places_m) {
+  std::string text;
+  for (const auto& place : places_m) {
+    text += text.empty() ? "[" : ", [";
+    for (std::size_t axis = 0; axis < kCount; ++axis) text += (axis > 0 ? ", " : "") + exact_text(place[axis]);
+    text += "]";
+  }
+  return "[" + text + "]";
 }
 
 // Of what has no box of the grid.
@@ -243,9 +247,12 @@ std::string touch_text(const PartTouch& touch) {
 }
 
 std::string guide_text(const GuideConfig& guide) {
+  std::string line;
+  if (!guide.line_m.empty()) line = ", line_m: " + points(guide.line_m);
+  if (!guide.line_in_space_m.empty()) line = ", line_m: " + points(guide.line_in_space_m);
   return fmt::format("guide: {{path: {}, force_n: {}, speed_mm_per_s: {}{}}}\n",
                      GuideConfig::kPathNames[static_cast<std::size_t>(guide.path)], exact_text(guide.force_n),
-                     millimetres(guide.speed_m_per_s), guide.line_m.empty() ? "" : ", line_m: " + points(guide.line_m));
+                     millimetres(guide.speed_m_per_s), line);
 }
 
 std::string cues_text(const CuesConfig& cues) {

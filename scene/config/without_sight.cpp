@@ -29,16 +29,23 @@ GuideConfig parse_guide(const Node& node) {
   reader.finish();
   const bool drawn = guide.path == GuideConfig::Path::drawn;
   if (drawn && line == nullptr)
-    throw yaml::error_at(node, "path: drawn without a line", "line_m: [[x, y], [x, y], ...] beside it");
+    throw yaml::error_at(node, "path: drawn without a line",
+                         "line_m: [[x, y], [x, y], ...] beside it; of a whole object [[x, y, z], ...]");
   if (line == nullptr) return guide;
   if (!drawn) throw yaml::error_at(*line, "'line_m' belongs to 'path: drawn'", "path: drawn, or no line_m");
   if (!line->is_sequence() || line->items.size() > kMostPoints)
     throw yaml::error_at(*line, "line_m is not a list of at most 10000 points", "[[x, y], [x, y], ...]");
+  const bool in_space = !line->items.empty() && line->items.front().items.size() == 3;
   bool has_length = false;
   for (const Node& item : line->items) {
-    const std::vector<double> point = yaml::to_doubles(item, 2);
-    guide.line_m.push_back({point[0], point[1]});
-    has_length = has_length || guide.line_m.back() != guide.line_m.front();
+    const std::vector<double> point = yaml::to_doubles(item, in_space ? 3 : 2);
+    if (in_space) {
+      guide.line_in_space_m.push_back({point[0], point[1], point[2]});
+      has_length = has_length || guide.line_in_space_m.back() != guide.line_in_space_m.front();
+    } else {
+      guide.line_m.push_back({point[0], point[1]});
+      has_length = has_length || guide.line_m.back() != guide.line_m.front();
+    }
   }
   if (!has_length) throw yaml::error_at(*line, "the line has no length", "two different points or more");
   return guide;

@@ -101,6 +101,11 @@ double distance_to(const Eigen::Vector2d& point, const Eigen::Vector2d& a, const
 
 }  // namespace
 
+double zero_between(double a, double b) {
+  if ((a > 0.0) == (b > 0.0) || a == b) return std::numeric_limits<double>::quiet_NaN();
+  return std::clamp(a / (a - b), 0.0, 1.0);
+}
+
 double Contour::length() const {
   double sum = 0.0;
   for (std::size_t k = 1; k < points.size(); ++k) sum += (points[k] - points[k - 1]).norm();

@@ -20,6 +20,9 @@ struct Contour {
 /// number where none does.
 using Crossing = std::function<double(int i, int j, bool up)>;
 
+/// Such a share where two values of unlike sign lie on either side.
+[[nodiscard]] double zero_between(double a, double b);
+
 /// All lines of nx x ny nodes, each once. Where four crossings meet in a cell, lines do not cross each other: they turn
 /// round its lower left and upper right corners.
 [[nodiscard]] std::vector<Contour> trace_contours(int nx, int ny, const Crossing& crossing);

@@ -30,6 +30,7 @@ inline Form wholes(double least, double most) { return {.kind = Form::Kind::whol
 inline Form numbers(double count) { return {.kind = Form::Kind::numbers, .least = count, .most = count}; }
 inline Form matrix() { return {.kind = Form::Kind::matrix}; }
 inline Form points(double least, double most) { return {.kind = Form::Kind::points, .least = least, .most = most}; }
+inline Form places(double least, double most) { return {.kind = Form::Kind::places, .least = least, .most = most}; }
 /// A name of the table of materials.
 Form material();
 

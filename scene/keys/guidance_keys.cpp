@@ -34,10 +34,12 @@ std::vector<Key> guidance_keys() {
       {"guide.force_n", {number(0.1, 4.0)}, "N", "1", "Largest force"},
       {"guide.speed_mm_per_s", {number(5.0, 200.0)}, "mm/s", "40", "Speed at the hand"},
       {"guide.line_m",
-       {points(2, 10000)},
+       {points(2, 10000), places(2, 10000)},
        "m",
        "",
-       "Of `path: drawn`: the line, grid frame; closed where it ends in its first point"},
+       "Of `path: drawn`: the line, grid frame, or in space on a whole object, frame of the scans; closed where it "
+       "ends "
+       "in its first point"},
       {"cues",
        {toggle(), block(), nothing()},
        "",

@@ -26,7 +26,8 @@ struct Form {
     wholes,   ///< a list of one whole number or more, each from least to most
     numbers,  ///< a list of `least` numbers
     matrix,   ///< 16 numbers row by row, or four lists of four
-    points    ///< a list of [x, y], `least` to `most` of them
+    points,   ///< a list of [x, y], `least` to `most` of them
+    places    ///< a list of [x, y, z], likewise
   };
   Kind kind = Kind::text;
   double least = 0.0;

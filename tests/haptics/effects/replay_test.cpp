@@ -12,6 +12,7 @@
 #include "haptics/session/session.h"
 #include "tests/support/recorded_runs.h"
 #include "tests/support/test_folder.h"
+#include "tests/support/whole_scenes.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -108,6 +109,28 @@ TEST(Replay, OfARunWithAGuideAndTicksCommandsTheSameBits) {
   });
   EXPECT_GT(led, 100U) << "the hand was led at all";
   EXPECT_GT(cues, 0U) << "the view changed, or the part was entered";
+}
+
+TEST(Replay, OfARunWithAGuideOnAWholeObjectCommandsTheSameBits) {
+  const test::TestFolder folder;
+  const auto scene = sparsha::test::whole_scene(sparsha::test::ball_charts(), 0.1, [](scene::SceneDescription& d) {
+    d.config.around = scene::AroundConfig{};
+    d.config.guide = scene::GuideConfig{};
+    d.config.guide->path = scene::GuideConfig::Path::drawn;
+    for (int k = 0; k <= 50; ++k)
+      d.config.guide->line_m.push_back({k % 4 == 0 || k % 4 == 3 ? -0.025 : 0.025, -0.025 + 0.002 * (k / 2)});
+  });
+  SessionOptions options;
+  options.record = folder / "run.csv";
+  Session session(scene, make_simulated_device(3, 3.0), options);
+  run_to_the_end(session, {{Request::Kind::guide}, {Request::Kind::turn, 20.0, 30.0}});
+  bool across = false;
+  const std::size_t led = expect_same_bits(scene, options.record, [&](const State& state) {
+    across = across || state.guide_n[2] != 0.0;
+    return (state.flags & kFlagGuided) != 0;
+  });
+  EXPECT_GT(led, 100U) << "the hand was led at all";
+  EXPECT_TRUE(across) << "not in one plane";
 }
 
 TEST(Replay, OfARunWithoutImpactAndGrainAddsNoneWhateverTheSceneSaysNow) {

@@ -332,11 +332,11 @@ TEST(Guide, GivesNoMoreEnergyThanItsBooksToHandsThatTryToTakeIt) {
 }
 
 TEST(GuidePath, RefusesWhatIsNoLine) {
-  EXPECT_ANY_THROW(GuidePath({{0.0, 0.0}}));
-  EXPECT_ANY_THROW(GuidePath({{0.0, 0.0}, {0.0, 0.0}}));
-  EXPECT_ANY_THROW(GuidePath({{0.0, 0.0}, {std::numeric_limits<double>::quiet_NaN(), 0.0}}));
-  EXPECT_FALSE(GuidePath({{0.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}}).closed());
-  EXPECT_TRUE(GuidePath({{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}, {0.0, 0.0}}).closed());
+  EXPECT_ANY_THROW(GuidePath(std::vector<Vector2d>{{0.0, 0.0}}));
+  EXPECT_ANY_THROW(GuidePath(std::vector<Vector2d>{{0.0, 0.0}, {0.0, 0.0}}));
+  EXPECT_ANY_THROW(GuidePath(std::vector<Vector2d>{{0.0, 0.0}, {std::numeric_limits<double>::quiet_NaN(), 0.0}}));
+  EXPECT_FALSE(GuidePath(std::vector<Vector2d>{{0.0, 0.0}, {1.0, 0.0}, {1.0, 0.0}}).closed());
+  EXPECT_TRUE(GuidePath(std::vector<Vector2d>{{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}, {0.0, 0.0}}).closed());
 }
 
 }  // namespace

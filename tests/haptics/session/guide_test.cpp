@@ -42,7 +42,7 @@ TEST(GuideLine, LargerThanTheWorkspaceIsLedAlongWhileTheWindowScrollsAndRenewsIt
   plan.effects.friction = false;
   navigator.settle(plan);
   HapticRenderer renderer(DeviceInfo{}, RendererOptions{}, load_window(*scene, plan, 1));
-  const GuideAnswer answer = find_guide({scene, plan.level, {0.8, 0.5}, {}});
+  const GuideAnswer answer = find_guide({scene, plan.level, {0.8, 0.5, 0.0}, {}});
   ASSERT_NE(answer.guide, nullptr);
   EXPECT_NEAR(answer.guide->path.length_m(), 2.0 * 3.14159265 * 0.3, 0.02);
   Command ask;
@@ -82,12 +82,12 @@ TEST(GuideLine, OfAPartIsItsBorderAsFarAsTheSceneReaches) {
     d.config.guide->path = scene::GuideConfig::Path::part;
     d.config.parts = {{"a", "The rim", {0.9, 0.4, 1.4, 0.6}}, {"b", "A leaf", {0.1, 0.1, 0.2, 0.3}}};
   });
-  const GuideAnswer leaf = find_guide({scene, 0, {0.15, 0.35}, {}});
+  const GuideAnswer leaf = find_guide({scene, 0, {0.15, 0.35, 0.0}, {}});
   ASSERT_NE(leaf.guide, nullptr);
   EXPECT_EQ(leaf.part, "A leaf") << "the nearest one";
   EXPECT_NEAR(leaf.guide->path.length_m(), 0.6, 1e-9);
   EXPECT_NEAR(leaf.way_m.y(), -0.05, 1e-9);
-  const GuideAnswer rim = find_guide({scene, 0, {0.15, 0.35}, 0});
+  const GuideAnswer rim = find_guide({scene, 0, {0.15, 0.35, 0.0}, 0});
   ASSERT_NE(rim.guide, nullptr);
   EXPECT_EQ(rim.part, "The rim") << "the one that was gone to";
   EXPECT_NEAR(rim.guide->path.length_m(), 0.6, 1e-6) << "up to the scene's border";
@@ -104,11 +104,11 @@ TEST(GuideLine, OfAPartOfATurnedStoneStaysOnThePart) {
                              (*d.region_from_grid)(0, 0) = (*d.region_from_grid)(1, 1) = -1.0;
                              (*d.region_from_grid)(0, 3) = (*d.region_from_grid)(1, 3) = 1.0;
                            });
-  const GuideAnswer leaf = find_guide({scene, 0, {0.5, 0.5}, {}});
+  const GuideAnswer leaf = find_guide({scene, 0, {0.5, 0.5, 0.0}, {}});
   ASSERT_NE(leaf.guide, nullptr);
   const test::Polygon turned{{0.8, 0.7}, {0.9, 0.7}, {0.9, 0.9}, {0.8, 0.9}};
   for (std::size_t k = 0; k < leaf.guide->path.pieces(); ++k)
-    EXPECT_LT(test::distance_to(turned, true, leaf.guide->path.corner(k)), 0.0025 * 1.5);
+    EXPECT_LT(test::distance_to(turned, true, leaf.guide->path.corner(k).head<2>()), 0.0025 * 1.5);
   EXPECT_NEAR(leaf.guide->path.length_m(), 0.6, 0.02);
 }
 
@@ -124,7 +124,7 @@ TEST(GuideLine, ThatIsDrawnIsTakenAsItIs) {
                                if (turned) d.region_from_grid = Eigen::Matrix4d::Identity();
                              }),
                        0,
-                       {0.1, 0.1},
+                       {0.1, 0.1, 0.0},
                        {}});
   };
   const GuideAnswer answer = drawn({{0.1, 0.2}, {0.3, 0.2}, {0.3, 0.4}});
@@ -156,7 +156,7 @@ TEST(GuideLine, ThatIsDrawnBeyondTheStoneIsItsLongestRunOnTheStone) {
       d.config.guide->path = scene::GuideConfig::Path::drawn;
       d.config.guide->line_m = drawn.line;
     });
-    const GuideAnswer answer = find_guide({scene, 0, {0.1, 0.1}, {}});
+    const GuideAnswer answer = find_guide({scene, 0, {0.1, 0.1, 0.0}, {}});
     ASSERT_NE(answer.guide, nullptr);
     EXPECT_NEAR(answer.guide->path.length_m(), drawn.length_m, 1e-9) << ::testing::PrintToString(drawn.line);
     for (std::size_t k = 0; k < answer.guide->path.pieces(); ++k) {
@@ -171,7 +171,7 @@ TEST(GuideControl, IsOffAsSoonAsItWasDroppedAndOnWhenItIsAskedForAgain) {
   const auto scene = stone(disc_m);
   Announcer announcer(board, scene);
   GuideControl guide(announcer);
-  const GuideWish wish{scene, 0, {0.5, 0.5}, {}};
+  const GuideWish wish{scene, 0, {0.5, 0.5, 0.0}, {}};
   guide.ask(wish);
   EXPECT_TRUE(guide.on());
   static_cast<void>(guide.stop(true));
@@ -191,7 +191,7 @@ TEST(GuideControl, SaysWhyWhateverEndedTheSearch) {
   });
   Announcer announcer(board, scene);
   GuideControl guide(announcer);
-  guide.ask({scene, 0, {0.5, 0.5}, 99});  // std::out_of_range, no Error
+  guide.ask({scene, 0, {0.5, 0.5, 0.0}, 99});  // std::out_of_range, no Error
   ASSERT_TRUE(eventually([&] {
     EXPECT_FALSE(guide.poll());
     return !board.since(0).empty();
@@ -208,8 +208,8 @@ TEST(GuideLine, OfTheOutlinePrefersThatOfThePart) {
     d.config.parts = {{"a", "The small one", {0.19, 0.39, 0.41, 0.61}}};
   });
   const auto radius_m = [&](const GuideAnswer& answer) { return answer.guide->path.length_m() / (2.0 * 3.14159265); };
-  const GuideAnswer part = find_guide({scene, 0, {0.6, 0.5}, 0});
-  const GuideAnswer nearest = find_guide({scene, 0, {0.6, 0.5}, {}});
+  const GuideAnswer part = find_guide({scene, 0, {0.6, 0.5, 0.0}, 0});
+  const GuideAnswer nearest = find_guide({scene, 0, {0.6, 0.5, 0.0}, {}});
   ASSERT_TRUE(part.guide && nearest.guide);
   EXPECT_NEAR(radius_m(part), 0.1, 0.004);
   EXPECT_NEAR(radius_m(nearest), 0.15, 0.006);

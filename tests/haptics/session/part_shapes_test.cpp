@@ -37,7 +37,7 @@ const auto kAlongParts = [](scene::SceneDescription& d) {
 /// Every place of the line is near the polygon's border, and every place of the border near the line.
 void expect_along(const GuidePath& path, const test::Polygon& corners, double within_m) {
   test::Polygon line;
-  for (std::size_t k = 0; k <= path.pieces(); ++k) line.push_back(path.corner(k));
+  for (std::size_t k = 0; k <= path.pieces(); ++k) line.emplace_back(path.corner(k).head<2>());
   for (const Vector2d& p : test::along(line, false, 0.0002))
     ASSERT_LE(test::distance_to(corners, true, p), within_m) << p.transpose();
   for (const Vector2d& p : test::along(corners, true, 0.0002))
@@ -47,7 +47,7 @@ void expect_along(const GuidePath& path, const test::Polygon& corners, double wi
 TEST(GuideAlongAPart, FollowsAPolygonsOwnEdges) {
   const test::TestFolder folder;
   const auto scene = test::els(folder / "labels.png", {}, kAlongParts);
-  const GuideAnswer answer = find_guide({scene, 0, {0.09, 0.035}, {}});
+  const GuideAnswer answer = find_guide({scene, 0, {0.09, 0.035, 0.0}, {}});
   ASSERT_NE(answer.guide, nullptr);
   EXPECT_EQ(answer.part, "Polygon") << "the nearer one";
   expect_along(answer.guide->path, polygon_of({0.06, 0.01}), 1e-12);
@@ -57,7 +57,7 @@ TEST(GuideAlongAPart, FollowsAPolygonsOwnEdges) {
 TEST(GuideAlongAPart, FollowsALabelsPixels) {
   const test::TestFolder folder;
   const auto scene = test::els(folder / "labels.png", {}, kAlongParts);
-  const GuideAnswer answer = find_guide({scene, 0, {0.01, 0.05}, {}});
+  const GuideAnswer answer = find_guide({scene, 0, {0.01, 0.05, 0.0}, {}});
   ASSERT_NE(answer.guide, nullptr);
   EXPECT_EQ(answer.part, "Label");
   expect_along(answer.guide->path, polygon_of({0.01, 0.01}), 0.0005);  // a pixel
@@ -71,11 +71,11 @@ TEST(GuideAlongAPart, EndsWhereTheSceneEnds) {
     d.config.parts[1] = {"beyond", "Beyond", {}};
     d.config.parts[1].polygon_m = test::el_m(0.03, {0.2, 0.2});
   });
-  const GuideAnswer answer = find_guide({scene, 0, {0.06, 0.06}, 0});
+  const GuideAnswer answer = find_guide({scene, 0, {0.06, 0.06, 0.0}, 0});
   ASSERT_NE(answer.guide, nullptr);
   const test::Polygon left{{0.05, 0.05}, {0.1, 0.05}, {0.1, 0.082}, {0.082, 0.082}, {0.082, 0.1}, {0.05, 0.1}};
   expect_along(answer.guide->path, left, 1e-12);
-  EXPECT_EQ(find_guide({scene, 0, {0.06, 0.06}, 1}).guide, nullptr);
+  EXPECT_EQ(find_guide({scene, 0, {0.06, 0.06, 0.0}, 1}).guide, nullptr);
 }
 
 TEST(GuideAlongAPart, OfATurnedStoneStaysOnThePart) {
@@ -89,7 +89,7 @@ TEST(GuideAlongAPart, OfATurnedStoneStaysOnThePart) {
   for (const std::size_t part : {0U, 1U}) {
     test::Polygon turned = polygon_of({part == 0 ? 0.06 : 0.01, 0.01});
     for (Vector2d& corner : turned) corner = Vector2d(0.1, 0.1) - corner;
-    const GuideAnswer answer = find_guide({scene, 0, {0.05, 0.05}, part});
+    const GuideAnswer answer = find_guide({scene, 0, {0.05, 0.05, 0.0}, part});
     ASSERT_NE(answer.guide, nullptr);
     expect_along(answer.guide->path, turned, 1.5 * 0.0005);
   }
@@ -101,7 +101,7 @@ TEST(GuideAlongAPart, LeadsAHandRoundAnL) {
     kAlongParts(d);
     d.config.parts[0].polygon_m = test::el_m(0.06, {0.02, 0.02});
   });
-  const GuideAnswer answer = find_guide({scene, 0, {0.02, 0.02}, 0});
+  const GuideAnswer answer = find_guide({scene, 0, {0.02, 0.02, 0.0}, 0});
   ASSERT_NE(answer.guide, nullptr);
   const HapticWindow window = load_window(*scene, plan_window(scene->description(), 0, {0.05, 0.05}, 0.1), 1);
   HapticRenderer renderer(DeviceInfo{}, RendererOptions{}, window);

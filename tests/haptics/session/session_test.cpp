@@ -207,9 +207,43 @@ TEST(Session, AWholeObjectIsTurnedByWishesAndSaysWhatItShows) {
   session.requests().post({Request::Kind::describe});
   EXPECT_TRUE(poll_until(session, [&] { return said(session, "Back, "); }));
   session.requests().post({Request::Kind::guide});
-  EXPECT_TRUE(poll_until(session, [&] { return said(session, "no guide on a whole object"); }));
+  EXPECT_TRUE(poll_until(session, [&] { return said(session, "nothing to be led along"); })) << "a ball has no line";
   session.requests().post({Request::Kind::fresh_visitor});
   EXPECT_TRUE(poll_until(session, [&] { return turn_w() == 1.0; })) << "the next visitor begins at the front";
+  session.stop();
+}
+
+TEST(Session, AGuideLeadsAroundAPartOnTheBackOfAWholeObject) {
+  Placed hand;
+  const auto scene = test::whole_scene(test::ball_charts(), 0.1, [](scene::SceneDescription& d) {
+    d.config.around = scene::AroundConfig{};
+    scene::PartConfig cap;
+    cap.name = cap.say = "Cap";
+    cap.solid_m = std::array<double, 6>{-0.1, -0.1, -0.1, 0.1, 0.1, -0.035};
+    d.config.parts = {cap};
+    d.config.guide = scene::GuideConfig{};
+    d.config.guide->path = scene::GuideConfig::Path::part;
+  });
+  Session session(scene, make_pointer_device(hand.place), SessionOptions{});
+  session.start();
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().tick > 5; }));
+  session.requests().post({Request::Kind::next_part});
+  ASSERT_TRUE(poll_until(session, [&] { return std::abs(session.state().read().turn[3]) < 1e-6; })) << "the back";
+  session.requests().post({Request::Kind::guide});
+  ASSERT_TRUE(poll_until(session, [&] { return said(session, "Guide on, along Cap"); }))
+      << ::testing::PrintToString(words(session));
+  ASSERT_TRUE(poll_until(session, [&] { return session.state().read().guide == GuidePhase::waiting; }));
+  // The cap's border is a circle about the middle of the view: by the ball's formula, at the view's scale.
+  const double radius_m = std::sqrt(0.04 * 0.04 - 0.035 * 0.035);
+  const State now = session.state().read();
+  const double x_m = radius_m * now.scale;
+  const double z_m = session.object_before_m({x_m, 0.0});
+  hand.put(x_m, 0.0, z_m + 0.004);
+  EXPECT_TRUE(poll_until(session, [&] { return session.state().read().guide == GuidePhase::leading; }));
+  EXPECT_TRUE(poll_until(session, [&] { return said(session, "The guide leads your hand"); }));
+  session.requests().post({Request::Kind::turn, 0.0, 90.0});
+  EXPECT_TRUE(poll_until(session, [&] { return session.state().read().guide != GuidePhase::leading; }))
+      << "the line has gone with the object";
   session.stop();
 }
 

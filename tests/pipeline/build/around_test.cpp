@@ -231,7 +231,15 @@ TEST_F(AroundBuild, IsCheckedWithEveryPointAndNotOnlyTheFront) {
 const std::string kTextured =
     "around: {}\ntexture: {sigma_space_mm: 15, sigma_range_mm: 3}\nfriction: {}\n"
     "parts: [{name: ring, box_m: [5.05, -3.1, 39.9, 5.2, -2.9, 40.1]}, {name: hole, box_m: [4.98, -3.02, 39.9, 5.02, "
-    "-2.98, 40.1]}]\n";
+    "-2.98, 40.1]}]\n"
+    "guide: {path: drawn, line_m: [[5.1, -3, 40.03], [5.1, -2.98, 40.03]]}\n";
+
+TEST_F(AroundBuild, ALineInSpaceFarFromTheObjectIsWarnedOf) {
+  const BuildResult built =
+      build("around: {}\nguide: {path: drawn, line_m: [[4.9, -3.1, 39.9], [4.9, -3.1, 39.8]]}\n", 1);
+  EXPECT_THAT(built.report.warnings,
+              ::testing::Contains(::testing::HasSubstr("the guide's line is nowhere: no surface lies in its box")));
+}
 
 TEST_F(AroundBuild, TextureAndItsCurvatureAreLayersOfAllSheets) {
   const BuildResult built = build(kTextured, 1);
@@ -259,10 +267,13 @@ TEST_F(AroundBuild, TextureAndItsCurvatureAreLayersOfAllSheets) {
   for (const std::string& warning : built.report.warnings) warnings += warning + "\n";
   EXPECT_NE(warnings.find("part 'hole' is nowhere: no surface lies in its box"), std::string::npos) << warnings;
   EXPECT_EQ(warnings.find("part 'ring'"), std::string::npos) << warnings;
+  EXPECT_EQ(warnings.find("the guide's line"), std::string::npos) << warnings;
   BuildOptions grid;
   grid.grid_only = true;
-  EXPECT_THAT(build(kTextured, 2, "grid", grid).report.warnings,
-              ::testing::Contains("only heights are built; ignored of the configuration: around, parts in space"));
+  EXPECT_THAT(
+      build(kTextured, 2, "grid", grid).report.warnings,
+      ::testing::Contains(
+          "only heights are built; ignored of the configuration: around, the guide's line in space, parts in space"));
   EXPECT_TRUE(scene::open_scene(folder_ / "grid")->description().config.parts.empty());
 }
 

@@ -182,6 +182,15 @@ TEST(Config, RefusesWhatIsUnknownContradictoryOrImpossibleAtItsPlace) {
       {"an unknown path", kScan + "guide: {path: contour}\n", {"path is 'contour'", "outline | part | drawn"}},
       {"drawn without a line", kScan + "guide: {path: drawn}\n", {"c.yaml:2:8", "path: drawn without a line"}},
       {"a line of no length", kScan + "guide: {path: drawn, line_m: [[1, 2], [1, 2]]}\n", {"the line has no length"}},
+      {"a line in space of one view",
+       kScan + "guide: {path: drawn, line_m: [[1, 2, 3], [1, 3, 3]]}\n",
+       {"needs the whole object"}},
+      {"a line of points of two kinds",
+       kScan + "around: {}\nguide: {path: drawn, line_m: [[1, 2, 3], [1, 3]]}\n",
+       {"3"}},
+      {"a line in space of no length",
+       kScan + "around: {}\nguide: {path: drawn, line_m: [[1, 2, 3], [1, 2, 3]]}\n",
+       {"the line has no length"}},
       {"a line that is not drawn", kScan + "guide: {line_m: [[1, 2], [1, 3]]}\n", {"belongs to 'path: drawn'"}},
       {"a guide too strong", kScan + "guide: {force_n: 40}\n", {"force_n"}},
       {"a guide too fast", kScan + "guide: {speed_mm_per_s: 2000}\n", {"speed_mm_per_s"}},
@@ -217,6 +226,18 @@ TEST(Config, BoxesInSpaceOfWholeObjectsAreReadBackAsTheyWereWritten) {
   const Config again = parse(to_yaml(config));
   EXPECT_EQ(again.parts.at(0).solid_m, config.parts[0].solid_m);
   EXPECT_EQ(again.audio->regions.at(0).solid_m, (std::array<double, 6>{0, 1, 2, 3, 4, 5}));
+}
+
+TEST(Config, ALineInSpaceIsWrittenAsItWasRead) {
+  const std::string text =
+      "scans: [{file: a.ply}]\naround: {}\nguide: {path: drawn, line_m: [[0, 0.5, -1], [1.25, 0, 1e-3], [0, 0.5, "
+      "-1]]}\n";
+  const Config config = parse_config(yaml::parse_text(text, "c.yaml"), {});
+  const Config again = parse_config(yaml::parse_text(to_yaml(config), "again"), {});
+  ASSERT_TRUE(again.guide);
+  EXPECT_TRUE(again.guide->line_m.empty());
+  const std::vector<std::array<double, 3>> line{{0.0, 0.5, -1.0}, {1.25, 0.0, 0.001}, {0.0, 0.5, -1.0}};
+  EXPECT_EQ(again.guide->line_in_space_m, line);
 }
 
 TEST(Config, ReadsBackWhatItWrites) {

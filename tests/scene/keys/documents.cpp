@@ -23,6 +23,7 @@ const std::map<std::string_view, std::string_view> kAtRoot{{"parts[].mu_static",
                                                            {"parts[].mu_dynamic", "friction: {}"},
                                                            {"parts[].label", "audio: {labels: a.png}"},
                                                            {"parts[].box_m", "around: {}"},
+                                                           {"guide.line_m", "around: {}"},
                                                            {"audio.regions[].box_m", "around: {}"}};
 
 // Values that the form alone does not make sensible.
@@ -107,6 +108,8 @@ std::string sample(const Key& key, const Form& form) {
       return "[1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]";
     case Kind::points:
       return "[[0, 0], [1, 0], [0, 1]]";
+    case Kind::places:
+      return "[[0, 0, 0], [1, 0, 0], [0, 1, 1]]";
   }
   return {};
 }
