@@ -47,12 +47,14 @@ bool display_lost() { return lost; }
 // lets drivers find this function before Xlib's (viewer/CMakeLists.txt). Without an answer the size stays what it was.
 extern "C" {
 using XDrawable = unsigned long;  // NOLINT(google-runtime-int): Xlib's type
+// NOLINTBEGIN(readability-identifier-naming): Xlib's name
 __attribute__((visibility("default"), used)) int XGetGeometry(void* display, XDrawable drawable, XDrawable* root,
                                                               int* x, int* y, unsigned* width, unsigned* height,
                                                               unsigned* border, unsigned* depth);
 
 int XGetGeometry(void* display, XDrawable drawable, XDrawable* root, int* x, int* y, unsigned* width, unsigned* height,
                  unsigned* border, unsigned* depth) {
+  // NOLINTEND(readability-identifier-naming)
   struct Geometry {
     XDrawable drawable = 0, root = 0;
     std::array<int, 2> place{};
