@@ -210,6 +210,24 @@ std::vector<ObjectLine> joined(std::vector<ObjectLine> lines, double spacing_m) 
   return found;
 }
 
+/// Without short ways back, as where the end of one run lies beside the beginning of the next.
+ObjectLine without_returns(const ObjectLine& line, double spacing_m) {
+  constexpr double kBack = -0.5;  // cosine of 120 degrees: a corner that is sharper is rounded by kGap
+  ObjectLine kept;
+  for (const LinePlace& place : line) {
+    const auto goes_back = [&] {
+      if (kept.size() < 2) return false;
+      const Vector3d& last_m = kept.back().place_m;
+      const Vector3d before_m = last_m - kept[kept.size() - 2].place_m;
+      const Vector3d next_m = place.place_m - last_m;
+      return next_m.norm() <= kGap * spacing_m && next_m.dot(before_m) < kBack * next_m.norm() * before_m.norm();
+    };
+    while (goes_back()) kept.pop_back();
+    if (kept.empty() || kept.back().place_m != place.place_m) kept.push_back(place);
+  }
+  return kept;
+}
+
 /// Every place moves to the weighted mean of itself and its neighbours (1 2 1); ends stay. Places of several sheets lie
 /// beside each other by their noise.
 void smooth(ObjectLine& line) {
@@ -230,7 +248,17 @@ void smooth(ObjectLine& line) {
 
 std::vector<ObjectLine> finished(std::vector<ObjectLine> lines, double spacing_m) {
   lines = joined(std::move(lines), spacing_m);
-  for (ObjectLine& line : lines) smooth(line);
+  for (ObjectLine& line : lines) {
+    for (int pass = 0; pass < 2; ++pass) {  // of a closed line the second begins where the first had its middle
+      line = without_returns(line, spacing_m);
+      if (!is_closed(line)) continue;
+      line.pop_back();
+      std::rotate(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(line.size() / 2), line.end());
+      line.push_back(line.front());
+    }
+    smooth(line);
+    line = without_returns(line, spacing_m);
+  }
   std::erase_if(lines, [&](const ObjectLine& line) { return length_m(line) < kShortest * spacing_m; });
   std::stable_sort(lines.begin(), lines.end(),
                    [](const ObjectLine& a, const ObjectLine& b) { return length_m(a) > length_m(b); });

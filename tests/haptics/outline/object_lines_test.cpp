@@ -96,6 +96,17 @@ double share_covered(const std::vector<Vector3d>& places_m, const std::vector<Ob
   return static_cast<double>(covered) / static_cast<double>(places_m.size());
 }
 
+/// Cosine of the sharpest turn of a line, from one of its pieces to the next.
+double sharpest_turn(const ObjectLine& line) {
+  double least = 1.0;
+  for (std::size_t k = 2; k < line.size(); ++k) {
+    const Vector3d from = line[k - 1].place_m - line[k - 2].place_m;
+    const Vector3d to = line[k].place_m - line[k - 1].place_m;
+    least = std::min(least, from.dot(to) / std::max(1e-15, from.norm() * to.norm()));
+  }
+  return least;
+}
+
 TEST(ObjectLines, OfABoxInAnyDirectionAreItsEdges) {
   std::mt19937_64 random(20);
   for (int k = 0; k < 12; ++k) {
@@ -110,6 +121,7 @@ TEST(ObjectLines, OfABoxInAnyDirectionAreItsEdges) {
         worst_m = std::max(worst_m, distance_to_edges(corner.place_m, half_m));
       }
     EXPECT_LT(worst_m, 2.0 * kSpacing_m) << k;
+    for (const ObjectLine& line : lines) EXPECT_GT(sharpest_turn(line), -0.6) << k << ": no way back";
     EXPECT_GE(share_covered(edges_of(half_m, 4.0 * kSpacing_m), own, 2.0 * kSpacing_m), 0.95) << k;
   }
 }
