@@ -40,7 +40,8 @@ bool Synth::state(const haptics::State& state, std::uint64_t frame) noexcept {
     point.frame = frame;
     point.press_n = normal_force_n(state);
     point.touching = point.press_n > 0.0 && state.scale > 0.0;
-    point.place_m = {state.proxy_m[0], state.proxy_m[1]};
+    const bool around = (state.flags & haptics::kFlagAround) != 0;
+    point.place_m = {state.proxy_m[0], state.proxy_m[1], around ? state.proxy_m[2] : 0.0};
     point.scale = state.scale;
     const auto region = bank_->region_at(state.place_m);
     point.sound = region ? bank_->regions[*region].scrape : 0;

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -73,6 +74,10 @@ struct Sheet {
     return static_cast<std::size_t>(j) * static_cast<std::size_t>(nx) + static_cast<std::size_t>(i);
   }
   [[nodiscard]] bool measured(std::size_t node) const { return (mask[node] & kMeasured) != 0; }
+  /// The envelope's height at a measured node, which lies `texture_m` before it along its normal. Requires a texture.
+  [[nodiscard]] float envelope_m(std::size_t node) const {
+    return height_m[node] - texture_m[node] * std::hypot(1.0F, slope_u[node], slope_v[node]);
+  }
 };
 
 /// All sheets of an object: by side, then by their first node. Grid frame, metres.

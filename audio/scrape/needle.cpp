@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "audio/decibel.h"
 #include "audio/levels.h"
@@ -113,7 +114,7 @@ void Needle::move(const Point& given) noexcept {
     if (!has_origin_) origin_m_ = point.place_m;
     has_origin_ = true;
     point.place_m -= origin_m_;
-    const Eigen::Vector2d away_m = point.place_m - anchor_m_;
+    const Eigen::Vector3d away_m = point.place_m - anchor_m_;
     const double string_m = kString_m / point.scale;
     if (!anchored_) {
       anchor_m_ = point.place_m;
@@ -154,12 +155,14 @@ void Needle::advance(std::uint64_t frame) noexcept {
     profile_ = changes_[change_].profile;  // the ring keeps its share, so that none is freed here
     change_ = (change_ + 1) % kMostProfiles;
     --changes_waiting_;
+    find_sheet(reached_.place_m);
     if (seated_) last_height_m_ = height_m(0.0);  // no step is heard where one profile gives way to another
   }
   while (waiting_ > 0 && points_[first_].frame <= frame) {
     const Point& next = points_[first_];
     const bool pause = next.frame > reached_.frame + static_cast<std::uint64_t>(kPause_s * rate_hz_);
     if (next.touching) {
+      find_sheet(next.place_m);
       if (!seated_ || lifted_ || (pause && next.place_m != reached_.place_m)) seat(next);
       reached_ = next;
     } else {
@@ -177,7 +180,7 @@ double Needle::share_of_way(std::uint64_t frame) const noexcept {
   return gap > kPause_s * rate_hz_ ? 0.0 : static_cast<double>(frame - reached_.frame) / gap;
 }
 
-Eigen::Vector2d Needle::target(double share) const noexcept {
+Eigen::Vector3d Needle::target(double share) const noexcept {
   return share > 0.0 ? reached_.place_m + share * (points_[first_].place_m - reached_.place_m) : reached_.place_m;
 }
 
@@ -188,18 +191,28 @@ double Needle::press_level(double share) const noexcept {
                      : reached_.press_level;
 }
 
+Eigen::Vector3d Needle::on_profile_m(const Eigen::Vector3d& place_m) const noexcept {
+  return (origin_m_ - profile_->origin_m()) + place_m;
+}
+
 double Needle::height_m(double per_sample_m) const noexcept {
   if (!profile_) return 0.0;
-  const Eigen::Vector2d place_m = (origin_m_ - profile_->origin_m().head<2>()) + at_m_;
-  const double height = profile_->height_m(place_m.x(), place_m.y());
-  const double grain = profile_->grain_m({place_m.x(), place_m.y(), height}, per_sample_m, kFinger_m / reached_.scale);
-  return height + grain_gain_ * grain;
+  const Eigen::Vector3d place_m = on_profile_m(at_m_);
+  return profile_->height_m(sheet_, place_m) +
+         grain_gain_ * profile_->grain_m(sheet_, place_m, per_sample_m, kFinger_m / reached_.scale);
+}
+
+/// No step is heard where one sheet gives way to another.
+void Needle::find_sheet(const Eigen::Vector3d& place_m) noexcept {
+  if (!profile_) return;
+  const std::size_t before = std::exchange(sheet_, profile_->sheet_at(on_profile_m(place_m), sheet_));
+  if (sheet_ != before) last_height_m_ = height_m(0.0);
 }
 
 /// How steep the way rises where the needle is, times the root of how brisk it is.
 double Needle::slope(double share) noexcept {
-  const Eigen::Vector2d goal_m = target(share);
-  const Eigen::Vector2d before_m = at_m_;
+  const Eigen::Vector3d goal_m = target(share);
+  const Eigen::Vector3d before_m = at_m_;
   half_way_m_ += path_share_ * (goal_m - half_way_m_);
   at_m_ += path_share_ * (half_way_m_ - at_m_);
   if ((goal_m - at_m_).cwiseAbs().maxCoeff() < kArrived_m) at_m_ = half_way_m_ = goal_m;
@@ -209,8 +222,10 @@ double Needle::slope(double share) noexcept {
   speed_m_per_s_ += speed_share_ * (speed - speed_m_per_s_);
   if (!moves_) return 0.0;
   const double height = height_m(step_m);
-  const double rise_m_per_s = (height - last_height_m_) * reached_.scale * rate_hz_;
+  const double rise_m = profile_ ? (height - last_height_m_) * profile_->facing(sheet_, on_profile_m(at_m_)) : 0.0;
   last_height_m_ = height;
+  if (!std::isfinite(rise_m)) return 0.0;  // beyond a sheet's end, or back on it
+  const double rise_m_per_s = rise_m * reached_.scale * rate_hz_;
   return rise_m_per_s / std::sqrt(std::max({speed, speed_m_per_s_, kSlowest_m_per_s}) * kBrisk_m_per_s);
 }
 

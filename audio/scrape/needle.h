@@ -45,7 +45,7 @@ class Needle {
   struct Point {
     std::uint64_t frame = 0;  ///< when it is there
     bool touching = false;
-    Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< under the proxy, grid frame
+    Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< of the proxy, grid frame; of one view with z = 0
     double press_n = 0.0;
     double press_level = 0.0;  ///< set by Needle::move
     double scale = 1.0;        ///< device metres per grid metre
@@ -74,10 +74,12 @@ class Needle {
   void seat(const Point& point) noexcept;
   void lift(std::uint64_t frame) noexcept;
   [[nodiscard]] double share_of_way(std::uint64_t frame) const noexcept;
-  [[nodiscard]] Eigen::Vector2d target(double share) const noexcept;
+  [[nodiscard]] Eigen::Vector3d target(double share) const noexcept;
   [[nodiscard]] double press_level(double share) const noexcept;
   [[nodiscard]] double slope(double share) noexcept;
   [[nodiscard]] double height_m(double per_sample_m) const noexcept;
+  [[nodiscard]] Eigen::Vector3d on_profile_m(const Eigen::Vector3d& place_m) const noexcept;
+  void find_sheet(const Eigen::Vector3d& place_m) noexcept;
   [[nodiscard]] double ring(double drive) noexcept;
   void settle() noexcept;
 
@@ -90,21 +92,22 @@ class Needle {
   std::array<Point, kMostPoints> points_{};  ///< a ring
   std::size_t first_ = 0, waiting_ = 0;
   Point reached_;
-  Eigen::Vector2d anchor_m_ = Eigen::Vector2d::Zero();  ///< of the last point given
+  Eigen::Vector3d anchor_m_ = Eigen::Vector3d::Zero();  ///< of the last point given
   bool anchored_ = false;
 
   std::array<Change, kMostProfiles> changes_{};  ///< a ring; the oldest is in use
   std::size_t change_ = 0, changes_waiting_ = 0;
   std::shared_ptr<const Profile> profile_;
 
-  Eigen::Vector2d origin_m_ = Eigen::Vector2d::Zero();  ///< grid frame; places below are relative to it
+  Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();  ///< grid frame; places below are relative to it
   bool has_origin_ = false;
   bool seated_ = false;
   bool lifted_ = false;  ///< fades out
   bool moves_ = false;
   bool awake_ = false;
-  Eigen::Vector2d half_way_m_ = Eigen::Vector2d::Zero();  ///< after the first low-pass
-  Eigen::Vector2d at_m_ = Eigen::Vector2d::Zero();        ///< the needle
+  Eigen::Vector3d half_way_m_ = Eigen::Vector3d::Zero();  ///< after the first low-pass
+  Eigen::Vector3d at_m_ = Eigen::Vector3d::Zero();        ///< the needle
+  std::size_t sheet_ = 0;                                 ///< of the profile
   double last_height_m_ = 0.0;
   double speed_m_per_s_ = 0.0;  ///< device frame
   double press_ = 0.0;          ///< loudness of the press

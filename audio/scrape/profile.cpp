@@ -7,6 +7,8 @@
 
 #include <Eigen/LU>
 
+#include "audio/scrape/catmull_rom.h"
+#include "audio/scrape/object_profile.h"
 #include "scene/material/measured_spectrum.h"
 #include "scene/scene.h"
 
@@ -18,15 +20,9 @@ constexpr double kWhole = 0.3;
 constexpr double kGone = 0.4;
 constexpr int kWidest = 1 << 14;  ///< nodes per side of a window
 
-/// Weights of four nodes at a share of the way from the second to the third.
-std::array<double, 4> catmull_rom(double t) {
-  return {0.5 * t * (t * (2.0 - t) - 1.0), 0.5 * (t * t * (3.0 * t - 5.0) + 2.0), 0.5 * t * (t * (4.0 - 3.0 * t) + 1.0),
-          0.5 * t * t * (t - 1.0)};
-}
-
 }  // namespace
 
-Profile::Window Profile::window_of(const scene::SceneDescription& scene, const haptics::State& state) {
+ViewProfile::Window ViewProfile::window_of(const scene::SceneDescription& scene, const haptics::State& state) {
   const auto last = static_cast<std::uint64_t>(scene.levels.size()) - 1;
   Window window;
   window.level = static_cast<int>(std::min(state.level, last));
@@ -50,22 +46,19 @@ Profile::Window Profile::window_of(const scene::SceneDescription& scene, const h
   return window;
 }
 
-Profile::Profile(const scene::Scene& scene, const Window& window, std::shared_ptr<const scene::GrainField> grain)
-    : grain_(std::move(grain)) {
+ViewProfile::ViewProfile(const scene::Scene& scene, const Window& window,
+                         std::shared_ptr<const scene::GrainField> grain)
+    : grain_(scene.description(), std::move(grain)) {
   scene::TouchedHeights touched = scene::read_touched(scene, window);
   lattice_ = touched.lattice;
   margin_ = touched.margin;
   origin_m_ = lattice_.origin_m + margin_ * lattice_.spacing_m * Eigen::Vector3d(1.0, 1.0, 0.0);
   height_m_ = std::move(touched.height_m);
-  if (const auto& matrix = scene.description().region_from_grid) {
-    region_from_grid_ = matrix->topRows<3>();
-    enlarged_ = std::cbrt(std::abs(matrix->topLeftCorner<3, 3>().determinant()));
-  }
 }
 
-double Profile::height_m(double x_m, double y_m) const noexcept {
-  const double x = x_m / lattice_.spacing_m;
-  const double y = y_m / lattice_.spacing_m;
+double ViewProfile::height_m(std::size_t /*sheet*/, const Eigen::Vector3d& place_m) const noexcept {
+  const double x = place_m.x() / lattice_.spacing_m;
+  const double y = place_m.y() / lattice_.spacing_m;
   if (!std::isfinite(x) || !std::isfinite(y)) return 0.0;
   const double across = margin_ + std::clamp(x, 0.0, lattice_.nx - 1.0 - 2.0 * margin_);
   const double along = margin_ + std::clamp(y, 0.0, lattice_.ny - 1.0 - 2.0 * margin_);
@@ -85,19 +78,36 @@ double Profile::height_m(double x_m, double y_m) const noexcept {
   return height;
 }
 
-double Profile::grain_m(const Eigen::Vector3d& place_m, double per_sample_m, double shortest_m) const noexcept {
-  if (!grain_ || grain_->silent()) return 0.0;
-  const Eigen::Vector3d grid_m = place_m + origin_m_;
-  Eigen::Vector2d place = grid_m.head<2>();
-  if (region_from_grid_)
-    place = region_from_grid_->topLeftCorner<2, 3>() * grid_m + region_from_grid_->col(3).head<2>();
+double ViewProfile::grain_m(std::size_t sheet, const Eigen::Vector3d& place_m, double per_sample_m,
+                            double shortest_m) const noexcept {
+  const Eigen::Vector3d on_stone_m(place_m.x(), place_m.y(), height_m(sheet, place_m));
+  return grain_.height_m(origin_m_ + on_stone_m, nullptr, per_sample_m, shortest_m);
+}
+
+ProfileGrain::ProfileGrain(const scene::SceneDescription& scene, std::shared_ptr<const scene::GrainField> field)
+    : field_(std::move(field)) {
+  if (const auto& matrix = scene.region_from_grid) {
+    region_from_grid_ = matrix->topRows<3>();
+    enlarged_ = std::cbrt(std::abs(matrix->topLeftCorner<3, 3>().determinant()));
+  }
+}
+
+double ProfileGrain::height_m(const Eigen::Vector3d& grid_m, const Eigen::Vector3d* normal, double per_sample_m,
+                              double shortest_m) const noexcept {
+  if (!field_ || field_->silent()) return 0.0;
+  Eigen::Vector3d place_m = grid_m;
+  Eigen::Vector3d shares = Eigen::Vector3d::UnitZ();
+  if (region_from_grid_) place_m = region_from_grid_->leftCols<3>() * grid_m + region_from_grid_->col(3);
+  if (normal != nullptr)
+    shares = scene::GrainField::shares(region_from_grid_ ? Eigen::Vector3d(region_from_grid_->leftCols<3>() * *normal)
+                                                         : *normal);
   double height = 0.0;
-  for (int band = 0; band < grain_->bands(); ++band) {
-    const double highest_per_m = grain_->highest_per_m(band) * enlarged_;  // per metre of the grid frame
+  for (int band = 0; band < field_->bands(); ++band) {
+    const double highest_per_m = field_->highest_per_m(band) * enlarged_;  // per metre of the grid frame
     const double waves = highest_per_m * per_sample_m;
     if (waves >= kGone || highest_per_m * shortest_m > 1.0) break;
     const double weight = std::clamp((kGone - waves) / (kGone - kWhole), 0.0, 1.0);
-    height += weight * grain_->height_m(band, place.x(), place.y());
+    height += weight * field_->height_m(band, place_m, shares);
   }
   return height / enlarged_;
 }
@@ -106,15 +116,27 @@ void ProfileReader::set_scene(scene::ScenePointer scene) {
   scene_ = std::move(scene);
   grain_.reset();
   window_.reset();
+  textured_.reset();
 }
 
 std::shared_ptr<const Profile> ProfileReader::update(const haptics::State& state) {
   if (state.window[2] < 2 || state.window[3] < 2) return nullptr;  // no window yet
-  const Profile::Window window = Profile::window_of(scene_->description(), state);
+  const auto made_grain = [this] {
+    if (with_grain_ && !grain_) grain_ = std::make_shared<const scene::GrainField>(scene::measure_spectrum(*scene_));
+    return grain_;
+  };
+  if ((state.flags & haptics::kFlagAround) != 0 && scene_->description().charts) {
+    const bool texture = (state.flags & haptics::kFlagTexture) != 0;
+    window_.reset();
+    if (textured_ == texture) return nullptr;
+    textured_ = texture;
+    return std::make_shared<const ObjectProfile>(scene_, texture, made_grain());
+  }
+  textured_.reset();
+  const ViewProfile::Window window = ViewProfile::window_of(scene_->description(), state);
   if (window_ == window) return nullptr;
   window_ = window;
-  if (with_grain_ && !grain_) grain_ = std::make_shared<const scene::GrainField>(scene::measure_spectrum(*scene_));
-  return std::make_shared<const Profile>(*scene_, window, grain_);
+  return std::make_shared<const ViewProfile>(*scene_, window, made_grain());
 }
 
 }  // namespace sparsha::audio

@@ -17,8 +17,47 @@
 
 namespace sparsha::audio {
 
-/// One window of one scene. Immutable; made off the sound card's thread, read by it.
+/// What a needle reads: how high the stone is along its way. Places in metres of the grid frame, relative to
+/// origin_m(). Immutable; made off the sound card's thread, read by it. No allocation.
 class Profile {
+ public:
+  virtual ~Profile() = default;
+  Profile() = default;
+  Profile(const Profile&) = delete;
+  Profile& operator=(const Profile&) = delete;
+
+  [[nodiscard]] virtual const Eigen::Vector3d& origin_m() const noexcept = 0;
+  /// Within a sheet heights go on in each other. The one at a place on the stone; `last` where the needle was.
+  [[nodiscard]] virtual std::size_t sheet_at(const Eigen::Vector3d& place_m, std::size_t last) const noexcept = 0;
+  /// Smooth along a sheet; not a number where it has none.
+  [[nodiscard]] virtual double height_m(std::size_t sheet, const Eigen::Vector3d& place_m) const noexcept = 0;
+  /// What of a rise of heights is along the stone's normal, 0 to 1.
+  [[nodiscard]] virtual double facing(std::size_t sheet, const Eigen::Vector3d& place_m) const noexcept = 0;
+  /// Height of the grain at such a place, along the normal, of waves that are `shortest_m` long or longer and that
+  /// samples which are `per_sample_m` apart can tell.
+  [[nodiscard]] virtual double grain_m(std::size_t sheet, const Eigen::Vector3d& place_m, double per_sample_m,
+                                       double shortest_m) const noexcept = 0;
+};
+
+/// The grain of a scene as sound has it. Immutable; cheap to copy.
+class ProfileGrain {
+ public:
+  ProfileGrain() = default;
+  /// `field` may be null.
+  ProfileGrain(const scene::SceneDescription& scene, std::shared_ptr<const scene::GrainField> field);
+  /// As Profile::grain_m() at a place of the grid frame; on a whole object where its normal (unit) is `normal`, null:
+  /// of one view.
+  [[nodiscard]] double height_m(const Eigen::Vector3d& grid_m, const Eigen::Vector3d* normal, double per_sample_m,
+                                double shortest_m) const noexcept;
+
+ private:
+  std::shared_ptr<const scene::GrainField> field_;
+  std::optional<scene::RegionFrame> region_from_grid_;
+  double enlarged_ = 1.0;  // metres of the regions' frame per metre of the grid frame
+};
+
+/// One window of one view.
+class ViewProfile final : public Profile {
  public:
   /// Which nodes of which level: the finest one of which the window has at most kMostNodes per side.
   using Window = scene::TouchedView;  ///< of a point: the tip's place lies on the stone
@@ -27,28 +66,27 @@ class Profile {
   [[nodiscard]] static Window window_of(const scene::SceneDescription& scene, const haptics::State& state);
 
   /// `grain` may be null. Throws Error{input} when tiles cannot be read.
-  Profile(const scene::Scene& scene, const Window& window, std::shared_ptr<const scene::GrainField> grain);
+  ViewProfile(const scene::Scene& scene, const Window& window, std::shared_ptr<const scene::GrainField> grain);
 
-  /// Cubic between the nodes (Catmull-Rom: through them, without creases), level beyond the window. Metres of the grid
-  /// frame, relative to origin_m().
-  [[nodiscard]] double height_m(double x_m, double y_m) const noexcept;
-  /// Height of the grain at such a place, of waves that are `shortest_m` long or longer and that samples which are
-  /// `per_sample_m` apart can tell.
-  [[nodiscard]] double grain_m(const Eigen::Vector3d& place_m, double per_sample_m, double shortest_m) const noexcept;
   /// The window's node (0, 0) and zero of its heights.
-  [[nodiscard]] const Eigen::Vector3d& origin_m() const noexcept { return origin_m_; }
+  [[nodiscard]] const Eigen::Vector3d& origin_m() const noexcept override { return origin_m_; }
+  [[nodiscard]] std::size_t sheet_at(const Eigen::Vector3d&, std::size_t) const noexcept override { return 0; }
+  /// Cubic between the nodes (Catmull-Rom: through them, without creases), level beyond the window; z is not read.
+  [[nodiscard]] double height_m(std::size_t sheet, const Eigen::Vector3d& place_m) const noexcept override;
+  [[nodiscard]] double facing(std::size_t, const Eigen::Vector3d&) const noexcept override { return 1.0; }
+  [[nodiscard]] double grain_m(std::size_t sheet, const Eigen::Vector3d& place_m, double per_sample_m,
+                               double shortest_m) const noexcept override;
 
  private:
   scene::Lattice lattice_;  ///< of the window with its margin
   int margin_ = 0;          ///< nodes on every side
   Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
   std::vector<float> height_m_;
-  std::shared_ptr<const scene::GrainField> grain_;
-  std::optional<scene::RegionFrame> region_from_grid_;
-  double enlarged_ = 1.0;  ///< metres of the grid frame in the regions' frame
+  ProfileGrain grain_;
 };
 
-/// Makes the profile of the window under the hand whenever that changes. One thread, not the sound card's.
+/// Makes the profile of the window under the hand, or of the whole object, whenever that changes. One thread, not the
+/// sound card's.
 class ProfileReader {
  public:
   /// `grain`: whether what lies between the nodes is continued.
@@ -63,7 +101,8 @@ class ProfileReader {
   scene::ScenePointer scene_;
   bool with_grain_;
   std::shared_ptr<const scene::GrainField> grain_;
-  std::optional<Profile::Window> window_;
+  std::optional<ViewProfile::Window> window_;
+  std::optional<bool> textured_;  // the whole object whose profile was given last
 };
 
 }  // namespace sparsha::audio

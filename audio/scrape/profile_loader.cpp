@@ -25,7 +25,8 @@ void ProfileLoader::set_scene(scene::ScenePointer scene) {
 }
 
 void ProfileLoader::wish(const haptics::State& state) {
-  constexpr std::uint64_t kHeights = haptics::kFlagTexture | haptics::kFlagFalls | haptics::kFlagRim;
+  constexpr std::uint64_t kHeights =
+      haptics::kFlagTexture | haptics::kFlagFalls | haptics::kFlagRim | haptics::kFlagAround;
   const Key key{state.window, state.level, state.flags & kHeights, state.scale};
   {
     const std::lock_guard lock(mutex_);

@@ -413,8 +413,7 @@ class EnclosureMade {
 /// To the envelope, which a node's place lies `texture_m` before along its normal.
 void take_texture_off(scene::Sheet& sheet) {
   for (std::size_t node = 0; node < sheet.count(); ++node)
-    if (sheet.measured(node))
-      sheet.height_m[node] -= sheet.texture_m[node] * std::hypot(1.0F, sheet.slope_u[node], sheet.slope_v[node]);
+    if (sheet.measured(node)) sheet.height_m[node] = sheet.envelope_m(node);
 }
 
 // The pieces are those of the surface as scanned, with its texture or without: a swap keeps the proxy's sheet by

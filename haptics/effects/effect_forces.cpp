@@ -92,14 +92,18 @@ EffectForces::Output EffectForces::update(const Input& input, const SurfaceEffec
     Grain::Input slide;
     slide.period_s = input.period_s;
     slide.pace_s = input.pace_s;
-    slide.place_m = input.place_m.head<2>();
+    slide.place_m = input.place_m;
+    Eigen::Matrix3d device_from_region = effects->region_from_grid.transpose();
+    if (input.device_from_grid != nullptr) {
+      device_from_region = *input.device_from_grid * device_from_region;
+      slide.shares = scene::GrainField::shares(device_from_region.transpose() * input.normal);
+    }
     slide.moved_m = input.moved_m - input.moved_m.dot(input.normal) * input.normal;
     slide.scale = effects->scale;
     slide.contact = stayed;
     const Grain::Output grain = grain_.update(slide, effects->field);
     const double press_n = pressed_n * effects->grain_gain_at(input.place_m);
-    const Eigen::Vector3d slope =
-        effects->region_from_grid.transpose() * Eigen::Vector3d(grain.slope.x(), grain.slope.y(), 0.0);
+    const Eigen::Vector3d slope = device_from_region * grain.slope;
     const double most_j = kMostDeviations * press_n * effects->scale * grain.deviation_m;
     const double share = bearable(input, most_j);
     const Eigen::Vector3d force_n = share * press_n * (slope.dot(input.normal) * input.normal - slope);

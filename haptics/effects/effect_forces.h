@@ -27,7 +27,9 @@ class EffectForces {
     Eigen::Vector3d force_n = Eigen::Vector3d::Zero();  ///< of the surface
     std::size_t delay_ticks = 0;                        ///< declared, as for the governor
     double time_s = 0.0;
-    double scale = 1.0;    ///< device metres per grid metre
+    double scale = 1.0;  ///< device metres per grid metre
+    /// Of a whole object that is turned: from the axes of the grid frame to the device's; null of one view.
+    const Eigen::Matrix3d* device_from_grid = nullptr;
     bool outside = false;  ///< of the scene, in the last tick
     bool unknown = false;  ///< where nothing was measured, likewise
     bool contact = false;

@@ -38,8 +38,7 @@ Grain::Output Grain::update(const Input& input, const scene::GrainField& field) 
     const double waves = highest_per_m * per_tick_m;
     if (waves >= kNyquist || highest_per_m * kShortest_m > input.scale) break;
     const double weight = share * std::clamp((kNyquist - waves) / (kNyquist - kWhole), 0.0, 1.0);
-    const scene::GrainField::Value value = field.at(band, input.place_m.x(), input.place_m.y());
-    output.slope += weight * value.slope;
+    output.slope += weight * field.slope(band, input.place_m, input.shares);
     variance_m2 += std::pow(weight * field.deviation_m(band), 2);
   }
   output.deviation_m = std::sqrt(variance_m2);

@@ -14,13 +14,15 @@ class Grain {
   struct Input {
     double period_s = 0.001;                            ///< since the last tick
     double pace_s = 0.001;                              ///< of the loop: a gap is one tick
-    Eigen::Vector2d place_m = Eigen::Vector2d::Zero();  ///< on the stone, frame of its parts and sounds
+    Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< on the stone, frame of its parts and sounds
+    /// Of the three planes of that frame (GrainField::shares()); of one view that of x and y alone.
+    Eigen::Vector3d shares = Eigen::Vector3d::UnitZ();
     Eigen::Vector3d moved_m = Eigen::Vector3d::Zero();  ///< of the proxy in contact since the last tick, device frame
     double scale = 1.0;                                 ///< device metres per metre of the stone
     bool contact = false;                               ///< in this tick and the last
   };
   struct Output {
-    Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< of the stone's grain where it is touched, faded by speed
+    Eigen::Vector3d slope = Eigen::Vector3d::Zero();  ///< of the stone's grain where it is touched, faded by speed
     double deviation_m = 0.0;                         ///< standard deviation of its heights, metres of the stone
   };
   /// Servo thread only; no allocation.

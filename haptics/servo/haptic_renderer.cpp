@@ -204,6 +204,7 @@ void HapticRenderer::add_effects(GovernorInput& input, const Eigen::Vector3d& mo
   tick.contact = found_.contact;
   tick.time_s = record_.state.time_s;
   tick.scale = surface_->scale;
+  if (window_.object != nullptr) tick.device_from_grid = &object_.device_from_grid();
   tick.outside = (place_flags_ & kFlagOutside) != 0;
   tick.unknown = (place_flags_ & kFlagUnknownArea) != 0;
   tick.touch = event_ && event_->kind == ContactEvent::Kind::touch;

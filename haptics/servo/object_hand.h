@@ -19,6 +19,7 @@ class ObjectHand {
  public:
   /// From the grid frame's axes to the device frame's; unit.
   [[nodiscard]] const Eigen::Quaterniond& turn() const noexcept { return turn_; }
+  [[nodiscard]] const Eigen::Matrix3d& device_from_grid() const noexcept { return device_from_grid_; }
   void set_turn(const Eigen::Quaterniond& device_from_grid) noexcept {
     turn_ = device_from_grid;
     device_from_grid_ = turn_.toRotationMatrix();

@@ -95,7 +95,7 @@ WindowPlan plan_window(const scene::SceneDescription& scene, const ZoomStep& ste
   plan.impact = scene.config.haptics.impact;
   plan.around = touches_all_around(scene);
   plan.tip_radius_m = plan.around ? 0.0 : scene.config.haptics.tip_radius_m;
-  plan.grain = scene.config.haptics.grain && !plan.around;
+  plan.grain = scene.config.haptics.grain;
   plan.cues = scene.config.cues.has_value();
   plan.beyond = scene.config.haptics.beyond;
   const int fall = scene::fall_nodes(scene::beyond_of(scene, view_of(plan)));

@@ -49,8 +49,8 @@ struct ZoomStep {
 /// The window of a step around a point (grid frame): the whole level when it fits (its own lattice, so that `trace` on
 /// the level is the same computation), else the step's nodes per side. Scale = workspace width / window width. Where
 /// the level ends within the window and is an outline, the window reaches beyond it until the surface is level again.
-/// The fingertip, impact, grain and what lies beyond outlines are the configuration's; a fingertip and grain are for
-/// one view alone: a whole object is touched with a point.
+/// The fingertip, impact, grain and what lies beyond outlines are the configuration's; a fingertip is for one view
+/// alone: a whole object is touched with a point.
 [[nodiscard]] WindowPlan plan_window(const scene::SceneDescription& scene, const ZoomStep& step,
                                      const Eigen::Vector2d& centre_m, double workspace_width_m);
 /// The same with levels.window nodes per side.

@@ -14,7 +14,9 @@ constexpr unsigned kNodes = 256;              // per side of the tile, a power o
 constexpr int kLowest = 16;                   // waves per side of the tile
 constexpr double kBand = 1.2599210498948732;  // a third of an octave
 constexpr std::uint64_t kSeed = 0x5350415253484101ULL;
-constexpr double kTileExponent = 3.5;  // of the density over the plane inside a band
+constexpr double kLeastShare = 0.01;    // of a plane that counts
+constexpr double kApart_m = 1.7320508;  // between the places of one tile that the planes of a surface in space have
+constexpr double kTileExponent = 3.5;   // of the density over the plane inside a band
 
 double unit(std::uint64_t word) { return static_cast<double>(hash_word(kSeed + word) >> 11U) * 0x1p-53; }
 
@@ -128,6 +130,43 @@ double GrainField::height_m(int b, double x_m, double y_m) const noexcept {
   for (std::size_t k = 0; k < around.nodes.size(); ++k)
     height += around.shares[k] * static_cast<double>(around.nodes[k][0]);
   return band.deviation_m * height;
+}
+
+Eigen::Vector3d GrainField::shares(const Eigen::Vector3d& normal) noexcept {
+  const Eigen::Vector3d squares = normal.cwiseAbs2();
+  const double length = squares.norm();
+  return length > 0.0 ? Eigen::Vector3d(squares / length) : Eigen::Vector3d::UnitZ();
+}
+
+namespace {
+
+/// Where a place of space lies over the plane across an axis.
+Eigen::Vector2d over_plane_m(const Eigen::Vector3d& place_m, int axis) {
+  return {place_m[(axis + 1) % 3] + kApart_m * (2 - axis), place_m[(axis + 2) % 3]};
+}
+
+}  // namespace
+
+double GrainField::height_m(int b, const Eigen::Vector3d& place_m, const Eigen::Vector3d& shares) const noexcept {
+  double height = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(shares[axis] > kLeastShare)) continue;
+    const Eigen::Vector2d over_m = over_plane_m(place_m, axis);
+    height += shares[axis] * height_m(b, over_m.x(), over_m.y());
+  }
+  return height;
+}
+
+Eigen::Vector3d GrainField::slope(int b, const Eigen::Vector3d& place_m, const Eigen::Vector3d& shares) const noexcept {
+  Eigen::Vector3d slope = Eigen::Vector3d::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(shares[axis] > kLeastShare)) continue;
+    const Eigen::Vector2d over_m = over_plane_m(place_m, axis);
+    const Eigen::Vector2d along = shares[axis] * at(b, over_m.x(), over_m.y()).slope;
+    slope[(axis + 1) % 3] += along.x();
+    slope[(axis + 2) % 3] += along.y();
+  }
+  return slope;
 }
 
 }  // namespace sparsha::scene

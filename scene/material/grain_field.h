@@ -33,6 +33,14 @@ class GrainField {
   [[nodiscard]] Value at(int band, double x_m, double y_m) const noexcept;
   /// The height alone, at a quarter of the cost.
   [[nodiscard]] double height_m(int band, double x_m, double y_m) const noexcept;
+  /// On a surface in space: of what lies over the three planes of the axes, each by its share.
+  [[nodiscard]] double height_m(int band, const Eigen::Vector3d& place_m, const Eigen::Vector3d& shares) const noexcept;
+  /// The gradient of that, as far as it is along those planes.
+  [[nodiscard]] Eigen::Vector3d slope(int band, const Eigen::Vector3d& place_m,
+                                      const Eigen::Vector3d& shares) const noexcept;
+  /// Of the planes x = 0, y = 0 and z = 0 where the surface has this normal: the more it faces along the axis. Their
+  /// squares sum up to 1, as variances of heights that know nothing of each other do.
+  [[nodiscard]] static Eigen::Vector3d shares(const Eigen::Vector3d& normal) noexcept;
   /// Standard deviation of a band's heights.
   [[nodiscard]] double deviation_m(int band) const noexcept { return band_[index(band)].deviation_m; }
 

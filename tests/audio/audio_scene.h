@@ -81,8 +81,8 @@ inline haptics::State stroking(double time_s, double x, double y, double press_n
 /// Rough stone of 1 m, 101 nodes per side.
 inline std::shared_ptr<const audio::Profile> rough_profile() {
   const auto rough = [](double x, double y) { return 0.004 * std::sin(310.0 * x) * std::sin(290.0 * y + 1.0); };
-  return std::make_shared<const audio::Profile>(*sparsha::test::scene_of(rough, {101, 101, 0.01}),
-                                                audio::Profile::Window{0, 0, 0, 101, 101, true}, nullptr);
+  return std::make_shared<const audio::ViewProfile>(*sparsha::test::scene_of(rough, {101, 101, 0.01}),
+                                                    audio::ViewProfile::Window{0, 0, 0, 101, 101, true}, nullptr);
 }
 
 /// The next `seconds` of a synth, interleaved.

@@ -243,7 +243,7 @@ TEST(Profile, IsTheSurfaceThatTheForceComesFrom) {
   haptics::DeviceInfo info;
   info.name = "scripted";
   haptics::HapticRenderer renderer(info, {}, haptics::load_window(*scene, plan, 1));
-  const Profile profile(*scene, {0, 0, 0, options.nx, options.ny, true}, nullptr);
+  const ViewProfile profile(*scene, {0, 0, 0, options.nx, options.ny, true}, nullptr);
   const double curvature = amplitude * kTurn * kTurn / (wave * wave);
   int touched = 0;
   for (int i = 0; i < 900; ++i) {
@@ -252,7 +252,7 @@ TEST(Profile, IsTheSurfaceThatTheForceComesFrom) {
     const haptics::State& state = renderer.state();
     if (state.contact == 0) continue;
     ++touched;
-    EXPECT_NEAR(profile.height_m(state.proxy_m[0], state.proxy_m[1]), state.proxy_m[2],
+    EXPECT_NEAR(profile.height_m(0, {state.proxy_m[0], state.proxy_m[1], 0.0}), state.proxy_m[2],
                 spacing * spacing / 6.0 * curvature + 1e-8);
   }
   EXPECT_GT(touched, 700);
@@ -263,7 +263,7 @@ TEST(Profile, ReadsTheFinestLevelThatTheWindowLeavesRoomFor) {
   haptics::State state;
   state.level = 3;
   state.window = {10, 20, 200, 150};
-  const Profile::Window window = Profile::window_of(scene->description(), state);
+  const ViewProfile::Window window = ViewProfile::window_of(scene->description(), state);
   EXPECT_EQ(window.level, 1);
   EXPECT_EQ(window.i0, 40);
   EXPECT_EQ(window.j0, 80);

@@ -11,12 +11,16 @@
 #include <random>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "haptics/effects/surface_effects.h"
 #include "haptics/window/effects.h"
+#include "haptics/window/objects.h"
 #include "haptics/window/window.h"
 #include "tests/support/scenes.h"
 #include "tests/support/servo_parts.h"
 #include "tests/support/touch_loop.h"
+#include "tests/support/whole_scenes.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -54,6 +58,14 @@ class Stroke {
   const State& go(const Eigen::Vector3d& device_m) {
     renderer_.update(sample_at(device_m, static_cast<double>(tick_++) / rate_hz_), 1.0 / rate_hz_);
     return renderer_.state();
+  }
+  /// Of a whole object, in the air.
+  void turn(const Eigen::Quaterniond& device_from_grid) {
+    Command command;
+    command.kind = Command::Kind::turn;
+    command.turn = device_from_grid;
+    static_cast<void>(renderer_.apply(command));
+    for (int i = 0; i < static_cast<int>(0.06 * rate_hz_); ++i) go({0.0, 0.0, 0.02});
   }
   /// Comes down at `from`, presses `depth_m` deep and goes on; the force at every tick after the first 0.1 s.
   std::vector<Eigen::Vector3d> along(const Eigen::Vector2d& from_m, const Eigen::Vector2d& velocity, double depth_m,
@@ -244,6 +256,37 @@ TEST(Grain, GrowsWithThePressAndByTheMaterial) {
   EXPECT_NEAR(rms(0.001, scene::Material::marble) / light, scene::touch_of(scene::Material::marble).grain_gain, 1e-3);
 }
 
+TEST(Grain, IsFeltAlikeOnAllSidesOfAWholeObject) {
+  const scene::HeightSpectrum law{4e-14, 2.0, 800.0};
+  const auto scene = sparsha::test::whole_scene(sparsha::test::cube_charts(30, 0.001), kStone_m);
+  const auto rms = [](const std::vector<Eigen::Vector3d>& forces) {
+    double sum = 0.0;
+    for (std::size_t i = 100; i < forces.size(); ++i) sum += forces[i].head<2>().squaredNorm();
+    return std::sqrt(sum / static_cast<double>(forces.size() - 100));
+  };
+  const auto felt = [&](const Eigen::Quaterniond& turn, const Eigen::Vector2d& velocity) {
+    HapticWindow window = grained(law);
+    window.effects.friction = false;
+    attach_object(window, scene->description());
+    Stroke stroke(std::move(window), 1000.0);
+    stroke.turn(turn);
+    // The face's middle is before the device's: the object is placed so.
+    return rms(stroke.along(-0.2 * velocity, velocity, 0.001, 0.4));
+  };
+  Stroke level(grained(law), 1000.0);
+  const double plane_n = rms(level.along({-0.02, 0.0}, {0.1, 0.0}, 0.001, 0.4));
+  EXPECT_GT(plane_n, 0.005);
+  constexpr double kQuarter = 0.25 * kTurn;
+  for (const Eigen::Vector3d& axis : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0, 1, 0), Eigen::Vector3d(0, 2, 0),
+                                      Eigen::Vector3d(0, -1, 0), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(-1, 0, 0)})
+    for (const Eigen::Vector2d& velocity : {Eigen::Vector2d(0.1, 0.0), Eigen::Vector2d(0.0, 0.1)}) {
+      const double angle = kQuarter * axis.norm();
+      const Eigen::Quaterniond turn(angle > 0.0 ? Eigen::AngleAxisd(angle, axis.normalized())
+                                                : Eigen::AngleAxisd::Identity());
+      EXPECT_NEAR(felt(turn, velocity) / plane_n, 1.0, 0.35) << axis.transpose() << ", " << velocity.transpose();
+    }
+}
+
 TEST(Grain, FollowsTheSlopeOfItsOwnHeights) {
   const scene::GrainField field(scene::HeightSpectrum{4e-14, 2.0, 800.0});
   std::mt19937_64 random(11);
@@ -261,6 +304,15 @@ TEST(Grain, FollowsTheSlopeOfItsOwnHeights) {
         (field.at(band, x, y + step_m).height_m - field.at(band, x, y - step_m).height_m) / (2 * step_m);
     EXPECT_NEAR(value.slope.x(), along_x, 0.35 * steep);
     EXPECT_NEAR(value.slope.y(), along_y, 0.35 * steep);
+    // In space: over all three planes.
+    const Eigen::Vector3d place_m(x, y, anywhere(random));
+    const Eigen::Vector3d shares = scene::GrainField::shares(Eigen::Vector3d(x, -y, 500.0));
+    const Eigen::Vector3d slope = field.slope(band, place_m, shares);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d step = step_m * Eigen::Vector3d::Unit(axis);
+      const double rise_m = field.height_m(band, place_m + step, shares) - field.height_m(band, place_m - step, shares);
+      EXPECT_NEAR(slope[axis], rise_m / (2 * step_m), 0.7 * steep) << axis;
+    }
   }
 }
 
