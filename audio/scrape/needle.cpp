@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "audio/decibel.h"
 #include "audio/levels.h"
@@ -136,7 +135,7 @@ void Needle::move(const Point& given) noexcept {
 void Needle::seat(const Point& point) noexcept {
   seated_ = true;
   lifted_ = false;
-  at_m_ = half_way_m_ = point.place_m;
+  at_m_ = before_m_ = half_way_m_ = point.place_m;
   speed_m_per_s_ = 0.0;
   last_height_m_ = height_m(0.0);
 }
@@ -202,21 +201,39 @@ double Needle::height_m(double per_sample_m) const noexcept {
          grain_gain_ * profile_->grain_m(sheet_, place_m, per_sample_m, kFinger_m / reached_.scale);
 }
 
-/// No step is heard where one sheet gives way to another.
+/// Of the last step, on the present sheet, without grain.
+double Needle::leaning_rise_m() const noexcept {
+  const Eigen::Vector3d from_m = on_profile_m(before_m_), to_m = on_profile_m(at_m_);
+  return (profile_->height_m(sheet_, to_m) - profile_->height_m(sheet_, from_m)) * profile_->facing(sheet_, to_m);
+}
+
+double Needle::drive_of(double rise_m, double speed) const noexcept {
+  const double rise_m_per_s = rise_m * reached_.scale * rate_hz_;
+  return rise_m_per_s / std::sqrt(std::max({speed, speed_m_per_s_, kSlowest_m_per_s}) * kBrisk_m_per_s);
+}
+
+/// Heights of one sheet rise otherwise than those of another, since they lean otherwise: neither a step nor another
+/// lean is heard where one gives way to the other.
 void Needle::find_sheet(const Eigen::Vector3d& place_m) noexcept {
   if (!profile_) return;
-  const std::size_t before = std::exchange(sheet_, profile_->sheet_at(on_profile_m(place_m), sheet_));
-  if (sheet_ != before) last_height_m_ = height_m(0.0);
+  const std::size_t next = profile_->sheet_at(on_profile_m(place_m), sheet_);
+  if (next == sheet_) return;
+  const double before_rise_m = leaning_rise_m();
+  sheet_ = next;
+  last_height_m_ = height_m(0.0);
+  const double more_m = leaning_rise_m() - before_rise_m;
+  if (moves_ && std::isfinite(more_m))
+    high_1_ += drive_of(more_m, (at_m_ - before_m_).norm() * reached_.scale * rate_hz_);
 }
 
 /// How steep the way rises where the needle is, times the root of how brisk it is.
 double Needle::slope(double share) noexcept {
   const Eigen::Vector3d goal_m = target(share);
-  const Eigen::Vector3d before_m = at_m_;
+  before_m_ = at_m_;
   half_way_m_ += path_share_ * (goal_m - half_way_m_);
   at_m_ += path_share_ * (half_way_m_ - at_m_);
   if ((goal_m - at_m_).cwiseAbs().maxCoeff() < kArrived_m) at_m_ = half_way_m_ = goal_m;
-  const double step_m = (at_m_ - before_m).norm();
+  const double step_m = (at_m_ - before_m_).norm();
   moves_ = step_m > 0.0;
   const double speed = step_m * reached_.scale * rate_hz_;
   speed_m_per_s_ += speed_share_ * (speed - speed_m_per_s_);
@@ -224,9 +241,7 @@ double Needle::slope(double share) noexcept {
   const double height = height_m(step_m);
   const double rise_m = profile_ ? (height - last_height_m_) * profile_->facing(sheet_, on_profile_m(at_m_)) : 0.0;
   last_height_m_ = height;
-  if (!std::isfinite(rise_m)) return 0.0;  // beyond a sheet's end, or back on it
-  const double rise_m_per_s = rise_m * reached_.scale * rate_hz_;
-  return rise_m_per_s / std::sqrt(std::max({speed, speed_m_per_s_, kSlowest_m_per_s}) * kBrisk_m_per_s);
+  return std::isfinite(rise_m) ? drive_of(rise_m, speed) : 0.0;  // beyond a sheet's end, or back on it
 }
 
 /// The drive goes to the material under the hand; what rang in others rings on.

@@ -78,6 +78,8 @@ class Needle {
   [[nodiscard]] double press_level(double share) const noexcept;
   [[nodiscard]] double slope(double share) noexcept;
   [[nodiscard]] double height_m(double per_sample_m) const noexcept;
+  [[nodiscard]] double leaning_rise_m() const noexcept;
+  [[nodiscard]] double drive_of(double rise_m, double speed) const noexcept;
   [[nodiscard]] Eigen::Vector3d on_profile_m(const Eigen::Vector3d& place_m) const noexcept;
   void find_sheet(const Eigen::Vector3d& place_m) noexcept;
   [[nodiscard]] double ring(double drive) noexcept;
@@ -107,6 +109,7 @@ class Needle {
   bool awake_ = false;
   Eigen::Vector3d half_way_m_ = Eigen::Vector3d::Zero();  ///< after the first low-pass
   Eigen::Vector3d at_m_ = Eigen::Vector3d::Zero();        ///< the needle
+  Eigen::Vector3d before_m_ = Eigen::Vector3d::Zero();    ///< where it was a sample before
   std::size_t sheet_ = 0;                                 ///< of the profile
   double last_height_m_ = 0.0;
   double speed_m_per_s_ = 0.0;  ///< device frame

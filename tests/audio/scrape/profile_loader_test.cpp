@@ -31,7 +31,7 @@ TEST(ProfileLoader, GivesTheHeightsOfAWindowOnceFromTheTimeOfItsWishOn) {
   const ProfileLoader::Loaded loaded = wait_for(loader);
   ASSERT_NE(loaded.profile, nullptr);
   EXPECT_EQ(loaded.since_s, 1.25);
-  EXPECT_NEAR(loaded.profile->height_m(0.031, 0.02), 0.031, 1e-6);
+  EXPECT_NEAR(loaded.profile->height_m(0, {0.031, 0.02, 0.0}), 0.031, 1e-6);
   state.time_s = 2.0;
   loader.wish(state);
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -40,7 +40,7 @@ TEST(ProfileLoader, GivesTheHeightsOfAWindowOnceFromTheTimeOfItsWishOn) {
   loader.wish(state);
   const ProfileLoader::Loaded again = wait_for(loader);
   ASSERT_NE(again.profile, nullptr) << "of another scene";
-  EXPECT_NEAR(again.profile->height_m(0.031, 0.02), 0.062, 1e-6);
+  EXPECT_NEAR(again.profile->height_m(0, {0.031, 0.02, 0.0}), 0.062, 1e-6);
 }
 
 TEST(ProfileLoader, OfManyWishesTheLastOneIsReadInTheEndAndNoWishWaitsForTheReading) {

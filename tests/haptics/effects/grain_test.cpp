@@ -59,13 +59,16 @@ class Stroke {
     renderer_.update(sample_at(device_m, static_cast<double>(tick_++) / rate_hz_), 1.0 / rate_hz_);
     return renderer_.state();
   }
-  /// Of a whole object, in the air.
-  void turn(const Eigen::Quaterniond& device_from_grid) {
+  /// Of a cube about the origin at its own size, in the air; it is stroked on the face that is before the hand then.
+  void turn(const Eigen::Quaterniond& device_from_grid, double half_m) {
     Command command;
     command.kind = Command::Kind::turn;
     command.turn = device_from_grid;
     static_cast<void>(renderer_.apply(command));
-    for (int i = 0; i < static_cast<int>(0.06 * rate_hz_); ++i) go({0.0, 0.0, 0.02});
+    const State& state = go({0.0, 0.0, 0.02});
+    const Eigen::Vector3d towards = device_from_grid.conjugate() * Eigen::Vector3d::UnitZ();
+    face_m_ = half_m - towards.dot(Eigen::Vector3d(state.centre_m[0], state.centre_m[1], state.centre_m[2]));
+    for (int i = 0; i < static_cast<int>(0.06 * rate_hz_); ++i) go({0.0, 0.0, face_m_ + 0.02});
   }
   /// Comes down at `from`, presses `depth_m` deep and goes on; the force at every tick after the first 0.1 s.
   std::vector<Eigen::Vector3d> along(const Eigen::Vector2d& from_m, const Eigen::Vector2d& velocity, double depth_m,
@@ -76,7 +79,7 @@ class Stroke {
     places_m.clear();
     for (int i = -down; i < ticks; ++i) {
       const double t = i / rate_hz_;
-      const double z = i < 0 ? -depth_m * (1.0 + t / 0.1) : -depth_m;
+      const double z = face_m_ + (i < 0 ? -depth_m * (1.0 + t / 0.1) : -depth_m);
       const Eigen::Vector2d at = from_m + velocity * t;
       const State& state = go({at.x(), at.y(), z});
       if (i < 0) continue;
@@ -103,6 +106,7 @@ class Stroke {
     return options;
   }
   double rate_hz_;
+  double face_m_ = 0.0;  // z of the stone, device frame
   HapticRenderer renderer_;
   std::int64_t tick_ = 0;
 };
@@ -269,9 +273,8 @@ TEST(Grain, IsFeltAlikeOnAllSidesOfAWholeObject) {
     window.effects.friction = false;
     attach_object(window, scene->description());
     Stroke stroke(std::move(window), 1000.0);
-    stroke.turn(turn);
-    // The face's middle is before the device's: the object is placed so.
-    return rms(stroke.along(-0.2 * velocity, velocity, 0.001, 0.4));
+    stroke.turn(turn, 0.03);
+    return rms(stroke.along(-0.15 * velocity, velocity, 0.001, 0.4));
   };
   Stroke level(grained(law), 1000.0);
   const double plane_n = rms(level.along({-0.02, 0.0}, {0.1, 0.0}, 0.001, 0.4));
