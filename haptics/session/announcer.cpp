@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/text/text.h"
+#include "haptics/around/object_surface.h"
 #include "haptics/state/stone_gives.h"
 #include "haptics/state/vectors.h"
 #include "scene/area/regions.h"
@@ -17,19 +18,68 @@ namespace {
 
 constexpr double kSilence_s = 1.0;  // the same thing is said again only after so long an absence
 
-/// The side of an object that looks most in a direction of the grid frame.
-Phrase side_of(const Eigen::Vector3d& direction) {
-  constexpr std::array<std::array<Phrase, 2>, 3> kSides{
-      {{"side_right", "side_left"}, {"side_up", "side_down"}, {"side_front", "side_back"}}};
+/// Of the sides of an object the one that looks most in a direction of the grid frame.
+scene::Side nearest_side(const Eigen::Vector3d& direction) {
   Eigen::Index axis = 0;
   direction.cwiseAbs().maxCoeff(&axis);
-  return kSides.at(static_cast<std::size_t>(axis)).at(direction[axis] < 0.0 ? 1 : 0);
+  return static_cast<scene::Side>(2 * axis + (direction[axis] < 0.0 ? 1 : 0));
+}
+
+Phrase side_of(const Eigen::Vector3d& direction) {
+  constexpr std::array<Phrase, scene::kSides> kSides{"side_right", "side_left",  "side_up",
+                                                     "side_down",  "side_front", "side_back"};
+  return kSides.at(static_cast<std::size_t>(nearest_side(direction)));
+}
+
+/// A side as somebody sees it who has it before him, grid frame: of the top the front is below, of the bottom above.
+struct Seen {
+  Eigen::Vector3d right, up;
+
+  [[nodiscard]] static Seen of(scene::Side side) {
+    using Eigen::Vector3d;
+    switch (side) {
+      case scene::Side::right:
+        return {-Vector3d::UnitZ(), Vector3d::UnitY()};
+      case scene::Side::left:
+        return {Vector3d::UnitZ(), Vector3d::UnitY()};
+      case scene::Side::up:
+        return {Vector3d::UnitX(), -Vector3d::UnitZ()};
+      case scene::Side::down:
+        return {Vector3d::UnitX(), Vector3d::UnitZ()};
+      case scene::Side::front:
+        break;
+      case scene::Side::back:
+        return {-Vector3d::UnitX(), Vector3d::UnitY()};
+    }
+    return {Vector3d::UnitX(), Vector3d::UnitY()};
+  }
+};
+
+/// By the thirds, each 0 to 2, in which a place lies across and up.
+Phrase place_in_thirds(std::size_t across, std::size_t up) {
+  constexpr std::array<std::array<Phrase, 3>, 3> kPlaces{{{"place_lower_left", "place_lower", "place_lower_right"},
+                                                          {"place_left", "place_middle", "place_right"},
+                                                          {"place_upper_left", "place_upper", "place_upper_right"}}};
+  return kPlaces.at(up).at(across);
+}
+
+std::size_t third(double at, double from, double to) {
+  const double share = (at - from) / (to - from);
+  return share < 1.0 / 3.0 ? 0 : share <= 2.0 / 3.0 ? 1 : 2;
+}
+
+/// Of a whole object, grid frame.
+Eigen::AlignedBox3d object_box(const scene::SceneDescription& scene) {
+  return scene.charts ? box_of(*scene.charts).translated(scene.charts->origin_m) : Eigen::AlignedBox3d();
 }
 
 }  // namespace
 
 Announcer::Announcer(AnnouncementBoard& board, scene::ScenePointer scene, Phrases phrases)
-    : board_(board), scene_(std::move(scene)), phrases_(std::move(phrases)) {}
+    : board_(board),
+      scene_(std::move(scene)),
+      object_m_(object_box(scene_->description())),
+      phrases_(std::move(phrases)) {}
 
 const scene::PartConfig& Announcer::part(std::size_t index) const {
   return scene_->description().config.parts.at(index);
@@ -37,6 +87,7 @@ const scene::PartConfig& Announcer::part(std::size_t index) const {
 
 void Announcer::set_scene(scene::ScenePointer scene) {
   scene_ = std::move(scene);
+  object_m_ = object_box(scene_->description());
   parts_.forget();
   described_.reset();
   unknown_ = false;
@@ -164,16 +215,23 @@ void Announcer::say_way(Phrase there, Phrase here, const Eigen::Vector2d& way_m,
 
 // In thirds of the grid.
 Phrase Announcer::place_on_stone(const State& state) const {
-  constexpr std::array<std::array<Phrase, 3>, 3> kPlaces{{{"place_lower_left", "place_lower", "place_lower_right"},
-                                                          {"place_left", "place_middle", "place_right"},
-                                                          {"place_upper_left", "place_upper", "place_upper_right"}}};
+  if ((state.flags & kFlagAround) != 0 && !object_m_.isEmpty()) return place_on_object(state);
   const scene::Lattice& lattice = scene_->description().levels.front();
-  const auto third = [](double at, double from, double to) -> std::size_t {
-    const double share = (at - from) / (to - from);
-    return share < 1.0 / 3.0 ? 0 : share <= 2.0 / 3.0 ? 1 : 2;
+  return place_in_thirds(third(state.proxy_m[0], lattice.x_m(0), lattice.x_m(lattice.nx - 1)),
+                         third(state.proxy_m[1], lattice.y_m(0), lattice.y_m(lattice.ny - 1)));
+}
+
+// In thirds of the object, as the side is seen that the hand is on, or, in the air, that is before the visitor.
+Phrase Announcer::place_on_object(const State& state) const {
+  const Eigen::Quaterniond turn(state.turn[3], state.turn[0], state.turn[1], state.turn[2]);
+  const Eigen::Vector3d towards =
+      state.contact != 0 ? to_vector(state.normal) : Eigen::Vector3d(turn.conjugate() * Eigen::Vector3d::UnitZ());
+  const Seen seen = Seen::of(nearest_side(towards));
+  const auto third_along = [&](const Eigen::Vector3d& axis) {
+    const double a_m = axis.dot(object_m_.min()), b_m = axis.dot(object_m_.max());
+    return third(axis.dot(to_vector(state.proxy_m)), std::min(a_m, b_m), std::max(a_m, b_m));
   };
-  const std::size_t row = third(state.proxy_m[1], lattice.y_m(0), lattice.y_m(lattice.ny - 1));
-  return kPlaces.at(row).at(third(state.proxy_m[0], lattice.x_m(0), lattice.x_m(lattice.nx - 1)));
+  return place_in_thirds(third_along(seen.right), third_along(seen.up));
 }
 
 void Announcer::describe(const State& state, const View& view) {

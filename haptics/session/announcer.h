@@ -71,10 +71,12 @@ class Announcer {
   [[nodiscard]] const scene::PartConfig& part(std::size_t index) const;
   [[nodiscard]] std::string view_text(const View& view) const;
   [[nodiscard]] Phrase place_on_stone(const State& state) const;
+  [[nodiscard]] Phrase place_on_object(const State& state) const;
   [[nodiscard]] Phrase way_back(const State& state) const;
 
   AnnouncementBoard& board_;
   scene::ScenePointer scene_;
+  Eigen::AlignedBox3d object_m_;  // the whole object, grid frame; empty of one view
   Phrases phrases_;
   std::string last_;  // said
   std::size_t said_ = 0;

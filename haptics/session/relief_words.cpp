@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 #include "haptics/state/stone_gives.h"
+#include "haptics/state/vectors.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -23,6 +26,7 @@ void ReliefWords::begin(const Place& here, const State& state) {
   known_ = true;
   scene_ = state.scene;
   scale_ = state.scale;
+  turn_ = state.turn;
   foot_ = told_ = still_ = here;
   step_m_ = 0.0;
 }
@@ -76,12 +80,14 @@ void ReliefWords::watch_rest(const Place& here, double scale) {
 
 void ReliefWords::watch(const State& state) {
   if (!stone_gives(state) || (state.flags & kFlagDragged) != 0 || !(state.scale > 0.0)) return;
-  const Place here{state.scale * Eigen::Vector2d(state.proxy_m[0], state.proxy_m[1]), state.scale * state.proxy_m[2],
-                   state.time_s};
+  // A whole object may be turned under the hand.
+  const Eigen::Quaterniond turn(state.turn[3], state.turn[0], state.turn[1], state.turn[2]);
+  const Eigen::Vector3d proxy_m = state.scale * (turn * to_vector(state.proxy_m));
+  const Place here{proxy_m.head<2>(), proxy_m.z(), state.time_s};
   listen(here.time_s);
   const bool away = known_ && here.time_s - touched_s_ > kLost_s;
   touched_s_ = here.time_s;
-  if (!known_ || state.scene != scene_ || state.scale != scale_) return begin(here, state);
+  if (!known_ || state.scene != scene_ || state.scale != scale_ || state.turn != turn_) return begin(here, state);
   if (away) announcer_.say("hand_touches");
   if ((here.at_m - still_.at_m).norm() > kStill_m || std::abs(here.height_m - still_.height_m) > kStill_m)
     still_ = here;

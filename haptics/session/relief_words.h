@@ -1,6 +1,7 @@
 // Heights in words, for a hand that others follow by ear: steps where they are, slopes when the hand rests.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -20,8 +21,8 @@ class ReliefWords {
 
  private:
   struct Place {
-    Eigen::Vector2d at_m = Eigen::Vector2d::Zero();  // device metres along the stone
-    double height_m = 0.0;                           // likewise
+    Eigen::Vector2d at_m = Eigen::Vector2d::Zero();  // device metres across what is before the visitor
+    double height_m = 0.0;                           // towards the visitor, likewise
     double time_s = 0.0;
   };
   void begin(const Place& here, const State& state);
@@ -36,10 +37,11 @@ class ReliefWords {
   double touched_s_ = -1e9;  // when the stone was touched last
   std::uint64_t scene_ = 0;
   double scale_ = 0.0;
-  Place foot_;         // where the present slope is measured from
-  Place told_;         // whose height was said last, or begun with
-  Place still_;        // where the hand came to rest
-  double step_m_ = 0;  // of the steep ground so far
+  std::array<double, 4> turn_{};  // of a whole object
+  Place foot_;                    // where the present slope is measured from
+  Place told_;                    // whose height was said last, or begun with
+  Place still_;                   // where the hand came to rest
+  double step_m_ = 0;             // of the steep ground so far
   double said_s_ = -1e9;
   std::uint64_t heard_ = 0;      // announcements
   double quiet_until_s_ = -1e9;  // others are speaking

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "tests/support/scenes.h"
 #include "tests/support/soft_stone.h"
 
@@ -26,7 +28,10 @@ class Relief : public ::testing::Test {
       state.time_s = time_s_ += 0.01;
       state.contact = 1;
       state.scale = scale_;
-      state.proxy_m = {x_m_ / scale_, 0.0, height_m(x_m_) / scale_ + 5.4e6};
+      const Eigen::Vector3d proxy_m =
+          turn_.conjugate() * Eigen::Vector3d(x_m_ / scale_, 0.0, height_m(x_m_) / scale_ + off_m_);
+      state.proxy_m = {proxy_m.x(), proxy_m.y(), proxy_m.z()};
+      state.turn = {turn_.x(), turn_.y(), turn_.z(), turn_.w()};
       words_.watch(state);
     }
   }
@@ -37,7 +42,8 @@ class Relief : public ::testing::Test {
   }
   using Texts = std::vector<std::string>;
 
-  double scale_ = 0.5, x_m_ = 0.0, time_s_ = 100.0;
+  double scale_ = 0.5, x_m_ = 0.0, time_s_ = 100.0, off_m_ = 5.4e6;
+  Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
   AnnouncementBoard board_;
   Announcer announcer_{board_, sparsha::test::flat_scene()};
   ReliefWords words_{announcer_, board_};
@@ -51,6 +57,23 @@ TEST_F(Relief, AStepIsOneHoweverManyLooksItTakesAndIsSaidInTheStonesSize) {
   go(0.0, 1.0, step);
   go(0.0, 1.0, step);
   EXPECT_EQ(said(), (Texts{"Step up, 8 millimetres", "Step down, 8 millimetres"}));
+}
+
+TEST_F(Relief, OfAWholeObjectItIsTowardsTheVisitorHoweverTheObjectIsTurned) {
+  const auto step = [](double x) { return 0.004 * std::clamp((x - 0.01) / 0.001, 0.0, 1.0); };
+  const std::vector<Eigen::AngleAxisd> turns{Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY()),
+                                             Eigen::AngleAxisd(-0.5 * M_PI, Eigen::Vector3d::UnitY()),
+                                             Eigen::AngleAxisd(1.0, Eigen::Vector3d(1.0, 2.0, 3.0).normalized())};
+  off_m_ = 0.3;
+  Texts wanted;
+  for (const Eigen::AngleAxisd& turn : turns) {
+    turn_ = turn;
+    x_m_ = 0.0;
+    go(0.02, 1.0, step);
+    go(0.02, 1.0, step);
+    wanted.emplace_back("Step up, 8 millimetres");
+    EXPECT_EQ(said(), wanted) << "and nothing of the turn itself";
+  }
 }
 
 TEST_F(Relief, ASlopeIsSaidWhereTheHandRestsAndOnTheWayWhereItIsHigh) {

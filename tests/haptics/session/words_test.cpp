@@ -2,12 +2,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <string>
+#include <tuple>
 #include <vector>
+
+#include <Eigen/Geometry>
 
 #include "base/phrases/phrases.h"
 #include "haptics/session/announcer.h"
 #include "tests/support/scenes.h"
+#include "tests/support/whole_scenes.h"
 
 namespace sparsha::haptics {
 namespace {
@@ -53,6 +59,41 @@ TEST_F(Words, ASecondPressOnAPartTellsMoreAndAThirdBeginsAnew) {
   EXPECT_EQ(last(), "Middle of the stone, touching. Whole stone, 10 centimetres across, at its own size.");
   english_.describe(at(0.01, 0.09), view);
   EXPECT_EQ(last().rfind("Lotus medallion.", 0), 0U);
+}
+
+TEST_F(Words, PlacesOfAWholeObjectAreThoseThatSomebodySeesWhoHasTheSideBeforeHim) {
+  using Eigen::Vector3d;
+  const auto block = sparsha::test::whole_scene(sparsha::test::cube_charts(30, 0.001));
+  Announcer announcer(board_, block);
+  struct Turned {
+    const char* side;
+    Eigen::Quaterniond turn;  // brings the side before the visitor: about the upright, or tipped
+  };
+  const auto about = [](double degrees, const Vector3d& axis) {
+    return Eigen::Quaterniond(Eigen::AngleAxisd(degrees * M_PI / 180.0, axis));
+  };
+  for (const Turned& turned :
+       {Turned{"Front", about(0.0, Vector3d::UnitY())}, Turned{"Back", about(180.0, Vector3d::UnitY())},
+        Turned{"Right side", about(-90.0, Vector3d::UnitY())}, Turned{"Left side", about(90.0, Vector3d::UnitY())},
+        Turned{"Top", about(90.0, Vector3d::UnitX())}, Turned{"Underside", about(-90.0, Vector3d::UnitX())}})
+    for (const auto& [x, y, words] :
+         {std::tuple(-0.02, 0.02, "upper left"), std::tuple(0.02, 0.0, "right, in the middle"),
+          std::tuple(0.0, -0.02, "bottom, in the middle"), std::tuple(0.02, -0.02, "lower right")})
+      for (const bool touches : {true, false}) {
+        const Vector3d place_m = turned.turn.conjugate() * Vector3d(x, y, 0.03);
+        State state = at(place_m.x(), place_m.y(), touches);
+        state.proxy_m[2] = state.place_m[2] = place_m.z();
+        const Vector3d normal = turned.turn.conjugate() * Vector3d::UnitZ();
+        if (touches) state.normal = {normal.x(), normal.y(), normal.z()};
+        state.turn = {turned.turn.x(), turned.turn.y(), turned.turn.z(), turned.turn.w()};
+        state.flags |= kFlagAround;
+        announcer.describe(state, {View::Kind::whole, 0.1, 1.0});
+        std::string said = last().substr(0, last().find(touches ? ", touching" : ", in the air"));
+        std::transform(said.begin(), said.end(), said.begin(), [](unsigned char c) { return std::tolower(c); });
+        std::string wanted = touches ? std::string(turned.side) + ", " + words : words;
+        std::transform(wanted.begin(), wanted.end(), wanted.begin(), [](unsigned char c) { return std::tolower(c); });
+        EXPECT_EQ(said, wanted) << last();
+      }
 }
 
 TEST_F(Words, APressAfterAPartWasSpokenByTouchTellsMoreAtOnce) {
