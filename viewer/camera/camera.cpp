@@ -122,6 +122,11 @@ View::Ray View::ray(double x, double y) const {
   return {from, (to - from).normalized()};
 }
 
+bool looks_away(const View& view, const Stage& stage, const Eigen::Vector3d& grid_m, const Eigen::Vector3d& normal) {
+  const auto pixel = view.to_pixel(stage.to_world(grid_m));
+  return pixel && (stage.turn * normal).dot(view.ray(pixel->x(), pixel->y()).direction) > 0.0;
+}
+
 std::optional<Eigen::Vector3d> View::on_plane(double x, double y, double world_z) const {
   const Ray r = ray(x, y);
   if (std::abs(r.direction.z()) < 1e-9) return std::nullopt;

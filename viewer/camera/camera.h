@@ -90,6 +90,10 @@ struct View {
   [[nodiscard]] bool misses(const Eigen::Vector3d& low, const Eigen::Vector3d& high) const;
 };
 
+/// Is stone with this outward normal at this place (grid frame) seen from behind? Never with a zero normal.
+[[nodiscard]] bool looks_away(const View& view, const Stage& stage, const Eigen::Vector3d& grid_m,
+                              const Eigen::Vector3d& normal);
+
 /// `eye_shift`: world distance of this eye to the right of the middle (0: one eye), with an off-axis frustum whose zero
 /// parallax lies at `convergence` times the camera's distance.
 [[nodiscard]] View make_view(const Camera& camera, int width, int height, double eye_shift = 0.0,

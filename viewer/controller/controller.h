@@ -96,7 +96,7 @@ class Controller {
   void save_strip();
   bool set_marks(Action action);
   void set_contours(bool finer);
-  [[nodiscard]] Marking::Aim aim() const;
+  [[nodiscard]] Marking::Aim aim();
   void answer(bool yes);
   void go_home();
   void close_or_leave();

@@ -26,7 +26,7 @@ std::optional<Clickable> Controller::box_at(const Eigen::Vector2d& place) const 
 }
 
 // What the mouse points at on the drawn stone.
-Marking::Aim Controller::aim() const {
+Marking::Aim Controller::aim() {
   Marking::Aim aim;
   aim.stage = stage_;
   aim.height_at = drawn_at_;
@@ -35,6 +35,11 @@ Marking::Aim Controller::aim() const {
   aim.pixel = {std::fmod(mouse_.x() - layout_.detail.x, view_->width), mouse_.y() - layout_.detail.y};
   const View::Ray ray = view_->ray(aim.pixel.x(), aim.pixel.y());
   const scene::SceneDescription& description = scene_->description();
+  if (is_whole(description)) {
+    const auto place = marking_.sight()->along(stage_.to_grid_m(ray.origin), stage_.turn.transpose() * ray.direction);
+    if (place) aim.at_m = place->at_m;
+    return aim;
+  }
   aim.at_m = meet_surface(stage_.to_grid_m(ray.origin), ray.direction, drawn_at_, 0.0, description.height_min_m,
                           description.height_max_m, window().width_m / 200.0);
   return aim;

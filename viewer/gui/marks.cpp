@@ -251,7 +251,11 @@ void draw_marks(const Brush& brush, const Frame& frame, const Layout& layout, co
       plotter.line(marks.pending_m, colour, brush.px(2.0F));
       for (const Eigen::Vector3d& point : marks.pending_m) plotter.dot(point, colour, brush.px(4.0F));
     }
-    for (const Pin& pin : marks.notes.pins) {
+    for (std::size_t k = 0; k < marks.notes.pins.size(); ++k) {
+      const Pin& pin = marks.notes.pins[k];
+      if (k < marks.pin_normals.size() &&
+          looks_away(picture.detail_view(), picture.stage(), pin.at_m, marks.pin_normals[k]))
+        continue;
       plotter.dot(pin.at_m, brush.theme.accent, brush.px(6.0F));
       plotter.words(pin.at_m, pin.text, brush.theme.text);
     }

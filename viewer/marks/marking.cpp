@@ -104,7 +104,27 @@ void Marking::set_scene(scene::ScenePointer scene) {
   marks_.notes = moved(kept, scan_from_grid.inverse());
   read_parts();
   follow_profile();
+  face_pins();
   changed();
+}
+
+const scene::Sight* Marking::sight() {
+  const std::shared_ptr<const scene::Charts> charts = scene_ ? scene_->description().charts : nullptr;
+  if (charts != seen_) {
+    sight_ = charts ? std::make_unique<const scene::Sight>(*charts) : nullptr;
+    seen_ = charts;
+  }
+  return sight_.get();
+}
+
+void Marking::face_pins() {
+  marks_.pin_normals.clear();
+  if (marks_.notes.pins.empty()) return;
+  const scene::Sight* const sight = this->sight();
+  for (const Pin& pin : marks_.notes.pins) {
+    const auto place = sight != nullptr ? sight->nearest(pin.at_m) : std::nullopt;
+    marks_.pin_normals.push_back(place ? place->normal : Eigen::Vector3d(Eigen::Vector3d::Zero()));
+  }
 }
 
 // A profile is read from the finest level when it becomes the newest measure.
@@ -121,6 +141,8 @@ void Marking::follow_profile() {
 
 void Marking::next_tool() {
   marks_.tool = static_cast<Tool>((static_cast<int>(marks_.tool) + 1) % 4);
+  // A profile is a line over one view.
+  if (marks_.tool == Tool::profile && scene_ && is_whole(scene_->description())) marks_.tool = Tool::none;
   marks_.pending_m.clear();
   tell_(name_of(marks_.tool), Priority::information);
   changed();
@@ -129,7 +151,7 @@ void Marking::next_tool() {
 void Marking::add_point(const Eigen::Vector3d& at_m) {
   Eigen::Vector3d place = at_m;
   try {
-    place.z() = surface_height_m(*scene_, at_m.x(), at_m.y());
+    if (!is_whole(scene_->description())) place.z() = surface_height_m(*scene_, at_m.x(), at_m.y());
   } catch (const Error&) {
     place.z() = std::numeric_limits<double>::quiet_NaN();
   }
@@ -150,6 +172,7 @@ void Marking::add_point(const Eigen::Vector3d& at_m) {
 
 void Marking::add_pin(const Eigen::Vector3d& at_m) {
   marks_.notes.pins.push_back({at_m, {}});
+  face_pins();
   marks_.typing.emplace();
   writing_ = Writing::pin;
   tell_("Write a note, Enter keeps it", Priority::information);
@@ -164,6 +187,7 @@ void Marking::finish_words(bool keep) {
     auto& pins = marks_.notes.pins;
     if (!keep || words.empty()) {
       pins.pop_back();
+      face_pins();
       return;
     }
     pins.back().text = words;

@@ -3,12 +3,14 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "haptics/state/requests.h"
 #include "scene/config/parts.h"
+#include "scene/solid/sight.h"
 #include "viewer/actions/actions.h"
 #include "viewer/camera/camera.h"
 #include "viewer/hand.h"
@@ -37,6 +39,8 @@ class Marking {
     Stage stage;
     HeightAt height_at;
   };
+  /// What is met first of a whole object; null of one view. Made when it is asked for first.
+  [[nodiscard]] const scene::Sight* sight();
   /// True when the action is one of the marks'. `window`: that the hand reaches.
   bool act(Action action, const Aim& aim, const std::optional<Eigen::Vector3d>& touched_m,
            const Eigen::Vector3d& centre_m, double width_m, bool shows_parts);
@@ -68,6 +72,7 @@ class Marking {
 
   void changed() { ++marks_.version; }
   void next_tool();
+  void face_pins();
   void add_point(const Eigen::Vector3d& at_m);
   void add_pin(const Eigen::Vector3d& at_m);
   void add_part(const Eigen::Vector3d& centre_m, double width_m);
@@ -85,6 +90,8 @@ class Marking {
   Tell tell_;
   SaveParts save_parts_;
   scene::ScenePointer scene_;
+  std::shared_ptr<const scene::Charts> seen_;  ///< of sight_
+  std::unique_ptr<const scene::Sight> sight_;
   scene::ScenePointer home_;  ///< the last scene of these scans with a folder, where notes are kept; null: none
   std::vector<scene::PartConfig> parts_;
   Marks marks_;

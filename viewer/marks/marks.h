@@ -31,6 +31,8 @@ struct Marks {
   Tool tool = Tool::none;
   std::vector<Eigen::Vector3d> pending_m;  ///< points of a measure that is not whole yet
   Notes notes;
+  /// Of each pin on a whole object where the stone looks there, grid frame; zero where nothing tells.
+  std::vector<Eigen::Vector3d> pin_normals;
   std::vector<ProfileSample> profile;  ///< of the newest measure, when that is a profile
   std::optional<std::string> typing;   ///< the words that are being written for the newest pin or part
   std::vector<PartBox> parts;          ///< shown when ViewSettings::parts

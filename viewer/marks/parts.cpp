@@ -124,12 +124,15 @@ void Marking::erase(const Aim& aim, bool shows_parts) {
     nearest = (*pixel - aim.pixel).norm();
     remove = std::move(work);
   };
-  for (std::size_t k = 0; k < notes.pins.size(); ++k)
+  for (std::size_t k = 0; k < notes.pins.size(); ++k) {
+    if (aim.view && looks_away(*aim.view, aim.stage, notes.pins[k].at_m, marks_.pin_normals.at(k))) continue;
     consider(notes.pins[k].at_m, [&, k] {
       notes.pins.erase(notes.pins.begin() + static_cast<std::ptrdiff_t>(k));
+      face_pins();
       tell_("Pin removed", Priority::information);
       save();
     });
+  }
   for (std::size_t k = 0; k < notes.measures.size(); ++k)
     for (const Eigen::Vector3d& point : notes.measures[k].points_m)
       consider(point, [&, k] {

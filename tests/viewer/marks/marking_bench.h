@@ -22,6 +22,7 @@ struct MarkingBench {
   scene::ScenePointer scene;
   std::unique_ptr<Controller> controller;
   double time_s = 0.0;
+  haptics::State state;
 
   explicit MarkingBench(scene::ScenePointer made) : scene(std::move(made)) {
     Connections connections;
@@ -35,7 +36,7 @@ struct MarkingBench {
     run();
   }
   void run() {
-    for (int k = 0; k < 60; ++k) controller->update(time_s += 0.02, {}, 1280, 720, slope);
+    for (int k = 0; k < 60; ++k) controller->update(time_s += 0.02, state, 1280, 720, slope);
   }
   [[nodiscard]] Layout layout() const { return layout_of(1280, 720, controller->settings()); }
   [[nodiscard]] View view() const {

@@ -33,16 +33,15 @@ TEST(WholePicture, KeysAndButtonsTurnTheObjectInTheHand) {
     controller.press({key, modifiers});
     return requests.take().value_or(haptics::Request{});
   };
-  using Kind = haptics::Request::Kind;
   const haptics::Request left = asked(key::kLeft, kControl | kShift);
-  EXPECT_EQ(left.kind, Kind::turn);
+  EXPECT_EQ(left.kind, haptics::Request::Kind::turn);
   EXPECT_EQ(left.y, -45.0) << "what is in front goes left";
   EXPECT_EQ(asked(key::kRight, kControl | kShift).y, 45.0);
   EXPECT_EQ(asked(key::kUp, kControl | kShift).x, -45.0);
   EXPECT_EQ(asked(key::kDown, kControl | kShift).x, 45.0);
   EXPECT_EQ(asked(key::kPageUp, kControl).z, 45.0);
   EXPECT_EQ(asked(key::kPageDown, kControl).z, -45.0);
-  EXPECT_EQ(asked(key::kHome, kControl).kind, Kind::turn_back);
+  EXPECT_EQ(asked(key::kHome, kControl).kind, haptics::Request::Kind::turn_back);
   controller.press({key::kLeft, kControl});
   EXPECT_FALSE(requests.take()) << "Control alone turns the camera";
 }
