@@ -6,24 +6,17 @@
 
 #include <Eigen/Core>
 
+#include "haptics/outline/line_joins.h"
 #include "scene/charts.h"
 
 namespace sparsha::haptics {
-
-struct LinePlace {
-  Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< grid frame
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< outward, unit; where surfaces meet in an edge, between theirs
-};
-
-/// Places on the surface, a node spacing apart or less, grid frame; closed where the last is the first once more.
-using ObjectLine = std::vector<LinePlace>;
 
 /// What is found in the shape of the surface, longest first:
 /// * edges, where surfaces meet that differ by more than 45 degrees; corners lie where their planes meet.
 /// * rims: where the surface ends that the scans saw.
 /// * steps, ridges and grooves within one side, as find_creases() finds them.
 /// Lines of several sides that go on in each other are one. Every `stride`-th node is looked at for the last kind.
-/// `noise_m`: standard deviation of the heights. Any thread; some 0.5 us per node.
+/// `noise_m`: standard deviation of the heights. Any thread; some 1.2 us per node.
 [[nodiscard]] std::vector<ObjectLine> find_object_outlines(const scene::Charts& charts, double noise_m, int stride);
 
 /// Where an area ends on the surface, longest first. `inside_m(place_m)`: how far inside a place of the grid frame is,
@@ -35,7 +28,5 @@ using ObjectLine = std::vector<LinePlace>;
 /// surface; the longest run of them. Empty where there is none.
 [[nodiscard]] ObjectLine on_surface(const scene::Charts& charts, const std::vector<Eigen::Vector3d>& drawn_m,
                                     double reach_m);
-
-[[nodiscard]] double length_m(const ObjectLine& line);
 
 }  // namespace sparsha::haptics

@@ -1,9 +1,10 @@
 #include "scene/solid/sight.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include "scene/solid/stretch.h"
 
 namespace sparsha::scene {
 namespace {
@@ -17,24 +18,6 @@ Eigen::AlignedBox3d box_of_nodes(const Charts& charts) {
       for (int i = 0; i < sheet.nx; ++i)
         if (sheet.measured(sheet.index(i, j))) box.extend(charts.place_m(sheet, i, j));
   return box;
-}
-
-/// The share of a line in a box, from first to last; empty where it passes by.
-struct Stretch {
-  double first, last;
-};
-std::optional<Stretch> stretch_in(const Eigen::AlignedBox3d& box_m, const Vector3d& from_m, const Vector3d& way) {
-  Stretch stretch{0.0, std::numeric_limits<double>::infinity()};
-  for (int axis = 0; axis < 3; ++axis) {
-    const double low = box_m.min()[axis] - from_m[axis], high = box_m.max()[axis] - from_m[axis];
-    if (way[axis] == 0.0) {
-      if (low > 0.0 || high < 0.0) return std::nullopt;
-      continue;
-    }
-    stretch.first = std::max(stretch.first, std::min(low / way[axis], high / way[axis]));
-    stretch.last = std::min(stretch.last, std::max(low / way[axis], high / way[axis]));
-  }
-  return stretch.last >= stretch.first ? std::optional(stretch) : std::nullopt;
 }
 
 }  // namespace
@@ -55,12 +38,11 @@ std::optional<Sight::Place> Sight::along(const Vector3d& from_m, const Vector3d&
   Eigen::AlignedBox3d room_m = box_m_;
   room_m.min().array() -= spacing_m_;
   room_m.max().array() += spacing_m_;
-  const std::optional<Stretch> stretch = stretch_in(room_m, from, way);
-  if (!stretch) return std::nullopt;
+  const Stretch stretch = stretch_in(room_m, from, way);
   const double step_m = 0.5 * kReach * spacing_m_;
   std::vector<SurfaceNode> about;
   std::optional<Eigen::Vector3i> last;
-  for (double at_m = stretch->first; at_m <= stretch->last + step_m; at_m += step_m) {
+  for (double at_m = stretch.first; at_m <= stretch.last + step_m; at_m += step_m) {
     const Eigen::Vector3i cube = nodes_.cube_of(from + at_m * way);
     if (last == cube) continue;
     last = cube;

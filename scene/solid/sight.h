@@ -12,7 +12,7 @@
 namespace sparsha::scene {
 
 /// The nodes of all sheets as discs in their tangent planes, as wide as the distance to their neighbours. Immutable;
-/// any thread. Making it takes some 0.1 s for 300 000 nodes.
+/// any thread.
 class Sight {
  public:
   explicit Sight(const Charts& charts);
